@@ -9,9 +9,13 @@ use super::passing::{Newest, report};
 use super::progress::Bar;
 use super::proxy::{self, Ends};
 use super::recordings;
-use crate::bus::{Interfaces, Options, Recording, Selected, Selection, Source, append_log_line};
+use crate::bus::{
+    Interfaces, Options, Recording, Selected, Selection, Source, Statistics, append_log_line,
+};
 use crate::frame::Frame;
 use crate::inject::{Injector, grammar};
+use crate::report::counted;
+use crate::time::Timestamp;
 use clap::Args;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -98,7 +102,7 @@ impl Inject {
     /// Runs the command.
     ///
     /// # Errors
-    /// A wrong call or file, or output that cannot be written.
+    /// A wrong call or file, a recording without a frame for a fault, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let faults = self.faults.read()?;
         if faults.is_empty() {
@@ -120,12 +124,19 @@ impl Inject {
             .inputs(&machine)
             .claim([(Some(self.output.as_path()), Mark::None)], self.overwriting)?;
         let out = output.expect("it was asked for").open()?;
-        let mut passage = Passage { injector: &mut injector, out, line: Vec::new(), written: 0 };
+        let line = Vec::new();
+        let mut passage = Passage { injector: &mut injector, out, line, written: 0, times: None };
         let interfaces = machine.interfaces(self.interface.as_deref())?;
         let fallback = &machine.loaded.settings.bus.interface;
         let read = pump(&mut recording, &mut passage, &interfaces, fallback)?;
-        let written = passage.written;
-        passage.out.close()?;
+        let Passage { out, written, times, .. } = passage;
+        if injector.tallies().iter().all(|tally| tally.frames == 0) {
+            // What is dropped leaves the previous file.
+            drop(out);
+            faults::report(&faults, injector.tallies());
+            return Err(self.nothing(read, times, recording.statistics()));
+        }
+        out.close()?;
         report(read, written, recording.statistics());
         faults::report(&faults, injector.tallies());
         match recording.statistics().damage.first() {
@@ -138,6 +149,35 @@ impl Inject {
         let logs = self.logs.iter().map(PathBuf::as_path);
         Inputs::new(logs.chain(machine.files(&self.config)).chain(self.faults.table()))
     }
+
+    /// Why no fault had an effect on the recording, of which so many frames were `read` between two `times`.
+    fn nothing(
+        &self,
+        read: u64,
+        times: Option<(Timestamp, Timestamp)>,
+        statistics: &Statistics,
+    ) -> Failure {
+        let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
+        let length = times.map_or(0.0, |(first, last)| last.since(first).as_seconds());
+        let mut reasons = vec![format!(
+            "no fault had an effect on {} ({} in {length:.2} s)",
+            logs.join(", "),
+            counted(read, "frame")
+        )];
+        reasons.extend(statistics.damage.iter().map(ToString::to_string));
+        reasons.extend(statistics.barren.iter().map(ToString::to_string));
+        let done = if self.output.as_os_str() == "-" {
+            "what is on standard output is the recording as it was"
+        } else {
+            "nothing was written"
+        };
+        Failure::Failed(format!(
+            "{}; {done}. Expected frames of {} while a fault lasts: is it a recording of this machine, and does a \
+             fault begin before its end?",
+            reasons.join("; "),
+            self.config.display()
+        ))
+    }
 }
 
 /// The way of frames through the injector to the output.
@@ -146,6 +186,8 @@ struct Passage<'a> {
     out: Writer,
     line: Vec<u8>,
     written: u64,
+    /// Times of the first and of the newest frame that was read.
+    times: Option<(Timestamp, Timestamp)>,
 }
 
 impl Passage<'_> {
@@ -186,6 +228,8 @@ fn pump(
     while let Some(frame) = recording.next_frame()? {
         // The recording is asked about the frame's interface once it no longer lends the frame.
         let mut frame = frame.clone();
+        let first = passage.times.map_or(frame.timestamp, |(first, _)| first);
+        passage.times = Some((first, frame.timestamp));
         let name = newest.interface(recording.statistics()).unwrap_or(fallback);
         frame.bus = interfaces.bus(name.as_bytes()).unwrap_or_default();
         let Ok(selected) = selection.judge(name.as_bytes()) else {

@@ -75,9 +75,47 @@ fn what_the_signal_cannot_hold_is_clamped_and_told() {
 fn a_fault_that_meets_no_frame_says_so() {
     let directory = tempfile::tempdir().unwrap();
     let log = log(&directory, LOG);
-    let output = inject(&log, &["--fault", "freeze,cylinder=6,at=100"]);
+    let output = inject(&log, &["--fault", "freeze,cylinder=6", "--fault", "stale,cylinder=1"]);
+    assert!(output.status.success());
     let report = String::from_utf8(output.stderr).unwrap();
     assert!(report.contains("nothing: none of its frames came during the fault"), "{report}");
+}
+
+#[test]
+fn a_recording_on_which_no_fault_has_an_effect_is_not_written_as_a_faulty_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("out.log");
+    let out = out.to_str().unwrap();
+    let foreign = LOG.replace("181#", "7A1#").replace("191#", "7A2#");
+    let foreign = foreign.replace("181##", "7A1##");
+    for (text, fault, words) in [
+        (LOG, "freeze,cylinder=1,at=100", "in.log (6 frames in 0.00 s)"),
+        (&foreign, "freeze,cylinder=1", "is it a recording of this machine"),
+        ("", "freeze,cylinder=1", "in.log: it is empty"),
+        ("Dear diary\n", "freeze,cylinder=1", "in.log: no frame in 1 lines; it is text"),
+        ("(1.0) can0 191#\n", "step,cylinder=1,sensor=c2,size=1", "1 without the signal"),
+    ] {
+        let log = log(&directory, text);
+        let call = ["--fault", fault, "--fault", "stale,cylinder=1,at=200"];
+        let output = inject(&log, &[&call[..], &["--output", out]].concat());
+        let report = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{report}");
+        for word in
+            [words, "no fault had an effect on", "nothing was written", fault, "at=200\": nothing"]
+        {
+            assert!(report.contains(word), "{word:?} is not in {report}");
+        }
+        assert_eq!(
+            std::fs::read_dir(directory.path()).unwrap().count(),
+            1,
+            "something was written"
+        );
+        // A pipe has what was read, and the exit code says that it is not what was asked for.
+        let output = inject(&log, &call);
+        assert_eq!(output.status.code(), Some(1));
+        let report = String::from_utf8(output.stderr).unwrap();
+        assert!(report.contains("standard output is the recording as it was"), "{report}");
+    }
 }
 
 #[test]
