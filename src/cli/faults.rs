@@ -4,6 +4,7 @@ use super::Failure;
 use super::machine::Machine;
 use crate::inject::{Fault, MAX_FAULTS, PlaceError, Placed, Tally, place, table};
 use crate::report::counted;
+use crate::time::Span;
 use clap::Args;
 use std::fs::File;
 use std::io::Read;
@@ -78,6 +79,21 @@ pub fn on_the_machine(faults: &[Named], cylinders: u8) -> Result<(), Failure> {
     stranger.map_or(Ok(()), |named| {
         let error = PlaceError::Cylinder { given: named.fault.cylinder, cylinders };
         Err(Failure::Wrong(format!("{}: {error}", named.name)))
+    })
+}
+
+/// Checks that faults begin while the machine is simulated, which ends after `end`.
+///
+/// # Errors
+/// The first fault that begins later.
+pub fn before_the_end(faults: &[Named], end: Span) -> Result<(), Failure> {
+    let late = faults.iter().find(|named| named.fault.window.from >= end);
+    late.map_or(Ok(()), |Named { name, fault }| {
+        let (from, end) = (fault.window.from.as_seconds(), end.as_seconds());
+        Err(Failure::Wrong(format!(
+            "{name}: it begins at {from} s, and the simulation ends at {end} s; expected an earlier begin (at, or t0 in \
+             a table), or a longer --duration"
+        )))
     })
 }
 

@@ -13,6 +13,7 @@ use crate::bus::{Source, append_log_line};
 use crate::controller::State;
 use crate::inject::{Fault, Wanted, grammar, machine_grammar};
 use crate::simulator::{Options, Simulator, truth};
+use crate::time::Span;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -146,7 +147,7 @@ impl Simulate {
     /// # Errors
     /// A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let cycles_for = self.duration()?;
+        self.duration()?;
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;
         let faults = self.faults.read()?;
         let tables = self.plant.tables()?;
@@ -158,6 +159,9 @@ impl Simulate {
             faults.iter().cloned().partition(of_the_machine);
         let placed = faults::place_all(&readings, &machine)?;
         faults::on_the_machine(&ailments, settings.machine.cylinders)?;
+        let cycles = self.cycles(&machine)?;
+        let end = Span::from_seconds(cycles as f64 * settings.machine.sample_time);
+        faults::before_the_end(&faults, end)?;
         let options = Options {
             seed: self.seed,
             sea,
@@ -173,7 +177,6 @@ impl Simulate {
         if requests.is_empty() {
             simulator.request(State::Engaged);
         }
-        let cycles = (cycles_for / settings.machine.sample_time).round() as u64;
         let table = truth::table(&faults.iter().map(|named| named.fault).collect::<Vec<Fault>>());
         let [output, truth] = self.outputs(&machine, &table)?;
         let simulation = Simulation::new(simulator, cycles).asked_for(requests);
@@ -241,11 +244,24 @@ impl Simulate {
         requests
     }
 
-    fn duration(&self) -> Result<f64, Failure> {
+    fn duration(&self) -> Result<(), Failure> {
         if self.duration > 0.0 && self.duration <= LONGEST {
-            return Ok(self.duration);
+            return Ok(());
         }
         let given = self.duration;
         Err(Failure::Wrong(format!("--duration is {given}, expected seconds, up to {LONGEST}")))
+    }
+
+    /// Number of cycles of the `machine` in the duration.
+    fn cycles(&self, machine: &Machine) -> Result<u64, Failure> {
+        let (given, cycle) = (self.duration, machine.loaded.settings.machine.sample_time);
+        if given >= cycle {
+            return Ok((given / cycle).round() as u64);
+        }
+        Err(Failure::Wrong(format!(
+            "--duration is {given} s, which is shorter than a cycle of {}; expected at least {cycle} s \
+             (machine.sample_time)",
+            machine.loaded.title()
+        )))
     }
 }

@@ -606,6 +606,25 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     run(&["--states", "60:save"]).failed(2, &["\"60:save\"", "such as 60:safe"]);
     run(&["--states=-1:safe"]).failed(2, &["expected seconds and a state"]);
     run(&["--fault", "leakage,cylinder=7,rate=1"]).failed(2, &["there is no cylinder 7"]);
+    // What would have no effect is not simulated as if it had.
+    let scratch = Scratch::new();
+    let table =
+        "cylinder,sensor,kind,t0,magnitude,parameter,t1\n1,C1,step,2,1e-3,,\n2,C1,step,9,1e-3,,\n";
+    let table = scratch.write("late.csv", table);
+    for (fault, named) in [
+        (["--fault", "step,cylinder=1,size=0.001,at=2.5"], "--fault \"step"),
+        (["--fault", "leakage,cylinder=1,rate=1,at=4"], "--fault \"leakage"),
+        (["--faults", &table], "late.csv: line 3"),
+    ] {
+        let log = scratch.path("late.log");
+        let words = [named, "begins at", "the simulation ends at 2.5 s", "--duration"];
+        run(&[&["--duration", "2.5", "--output", &log], &fault[..]].concat()).failed(2, &words);
+        assert!(!std::fs::exists(&log).expect("it can be looked for"));
+    }
+    let words = ["--duration is 0.019 s", "at least 0.02 s", CONFIG];
+    run(&["--duration", "0.019"]).failed(2, &words);
+    let cycle = run(&["--duration", "0.02", "--fault", "step,cylinder=1,size=0.001"]).ok();
+    assert!(cycle.stdout.lines().count() > 12, "{}", cycle.stdout);
     let help = support::tertius(&["simulate", "--help"], b"").ok();
     assert!(help.stdout.contains("Examples:"), "{}", help.stdout);
 }
