@@ -203,6 +203,24 @@ fn nothing_is_invented_where_there_is_no_machine() {
 }
 
 #[test]
+fn a_recording_without_a_frame_is_named_with_what_it_seems_to_be() {
+    let scratch = Scratch::new();
+    let dbc = scratch.write("car.dbc", CAR);
+    for (name, content, seems) in [
+        ("empty.log", "", "empty.log: it is empty"),
+        ("notes.log", "Dear diary\n", "notes.log: no frame in 1 lines; it is text"),
+        ("remote.log", "(1.0) can0 123#R\n", "none of its 1 frames is a data frame"),
+    ] {
+        let log = scratch.write(name, content);
+        let run = init(&[&dbc, &log]).failed(1, &["nothing was read", seems]);
+        assert!(!run.stderr.contains("in the DBC"), "{}", run.stderr);
+    }
+    let log = scratch.write("car.log", drive());
+    let words = ["nothing was read", "no frame is from", "can7"];
+    init(&[&dbc, &log, "--interface", "can7"]).failed(1, &words);
+}
+
+#[test]
 fn a_file_is_written_once_and_leads_to_a_sound_configuration() {
     let scratch = Scratch::new();
     let log = simulated(&scratch, "machine.log", &["--duration", "60", "--seed", "4"]);

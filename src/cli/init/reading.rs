@@ -1,6 +1,6 @@
 //! Reads recordings twice for a proposal.
 
-use crate::bus::{Interfaces, Options, Recording, Source};
+use crate::bus::{Interfaces, Options, Recording, Source, Statistics};
 use crate::cli::progress::Bar;
 use crate::dbc::Database;
 use crate::failure::Failure;
@@ -45,10 +45,13 @@ pub fn read(
         ));
     }
     let mut frames = 0;
-    let interface = pass(logs, options, seconds, |t, frame| {
+    let (interface, statistics) = pass(logs, options, seconds, |t, frame| {
         frames += 1;
         tally.take(&catalogue, t, frame);
     })?;
+    if frames == 0 {
+        return Err(nothing(&statistics, options));
+    }
     if !tally.is_known() {
         return Err(Failure::Failed(format!(
             "none of the {frames} frames read is of a message in the DBC; is it the DBC of this bus?"
@@ -63,14 +66,32 @@ pub fn read(
     Ok(Read { proposal: propose::find(&catalogue, &tally, Some(&finder)), interface, told })
 }
 
+/// Why recordings have no data frame.
+fn nothing(statistics: &Statistics, options: &Options) -> Failure {
+    let Statistics { frames, damage, barren, other_interface_frames, .. } = statistics;
+    let mut reasons = Vec::new();
+    if *frames > 0 && other_interface_frames == frames {
+        let found = statistics.interfaces_found();
+        reasons.push(format!("no frame is from {}; the recording has {found}", options.interfaces));
+    } else if *frames > 0 {
+        reasons.push(format!("none of its {frames} frames is a data frame"));
+    }
+    reasons.extend(damage.iter().map(ToString::to_string));
+    reasons.extend(barren.iter().map(ToString::to_string));
+    Failure::Failed(format!(
+        "nothing was read: {}; expected a recording of the machine in motion",
+        reasons.join("; ")
+    ))
+}
+
 /// Passes the data frames of the first `seconds` to `take`, with their time since the first one, s. Returns the
-/// interface that was read, if it is one that a configuration may have.
+/// interface that was read, if it is one that a configuration may have, and the statistics of what was read.
 fn pass<P: AsRef<Path>>(
     logs: &[P],
     options: &Options,
     seconds: f64,
     mut take: impl FnMut(f64, &Frame),
-) -> Result<Option<String>, Failure> {
+) -> Result<(Option<String>, Statistics), Failure> {
     let mut recording = Recording::open(logs, options.clone())?;
     let bar = Bar::new(recording.progress());
     let mut first: Option<Timestamp> = None;
@@ -89,11 +110,13 @@ fn pass<P: AsRef<Path>>(
         }
     }
     bar.finish();
-    let interface = match (&options.interfaces, recording.statistics().interfaces.as_slice()) {
+    let statistics = recording.statistics().clone();
+    let interface = match (&options.interfaces, statistics.interfaces.as_slice()) {
         // By its name in full, which a number is not.
         (asked @ Interfaces::Only(_), all) => all.iter().find(|it| asked.mean(it.name.as_bytes())),
         (_, [only]) => Some(only),
         _ => None,
     };
-    Ok(interface.map(|it| it.name.clone()).filter(|name| !name.is_empty()))
+    let interface = interface.map(|it| it.name.clone()).filter(|name| !name.is_empty());
+    Ok((interface, statistics))
 }
