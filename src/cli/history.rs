@@ -52,14 +52,19 @@ impl History {
     }
 }
 
-/// What the configuration lacks for reading on the stops.
-pub fn lack(machine: &Machine) -> Option<&'static str> {
+/// What the configuration lacks for reading on the stops, and what to do.
+pub fn lack(machine: &Machine) -> Option<String> {
+    let name = machine.loaded.document.name();
     if machine.loaded.settings.sequential.stop_states.is_none() {
-        return Some(
-            "`sequential.stop_states`, which tell when the rods stand on their stops, are \
-            missing",
-        );
+        return Some(format!(
+            "{name} has no `sequential.stop_states`, the states in which the rods stand on their stops; add for \
+             example stop_states = [\"settled\"] to [sequential]"
+        ));
     }
     let calibrated = machine.design.cylinders.iter().any(|it| it.sequential.is_some());
-    (!calibrated).then_some("no cylinder has the tables of `tertius calibrate` (`sequential`)")
+    (!calibrated).then(|| {
+        format!(
+            "{name} has no cylinder with `sequential`, the tables of `tertius calibrate`; write them with --into {name}"
+        )
+    })
 }

@@ -250,7 +250,12 @@ fn a_history_that_would_harm_a_file_or_have_nothing_in_it_is_refused() {
     assert_eq!(fs::read(&log).expect("it is there"), before);
     let no_use = "tests/recordings/e-type.toml";
     let history = scratch.path("x.dwells");
-    replay(&[&log], no_use, &["--history", &history]).failed(2, &["sequential.stop_states"]);
+    let lack = format!("{no_use} has no `sequential.stop_states`");
+    let words = [&*lack, "add for example stop_states = [\"settled\"] to [sequential]"];
+    replay(&[&log], no_use, &["--history", &history]).failed(2, &words);
+    let untaught = "config/e-type.toml";
+    let words = [untaught, "no cylinder with `sequential`", "`tertius calibrate`", "--into"];
+    replay(&[&log], untaught, &["--history", &history]).failed(2, &words);
     let text = tertius(&["check", &config], b"").ok().stdout;
     let kept = format!("due after 5 mm; the history is kept in {}", scratch.path("kept.dwells"));
     assert!(text.contains(&format!("end stops   read when safe or settled; {kept}")), "{text}");
