@@ -149,7 +149,7 @@ impl Machine {
                 &[Flaw {
                     key: "bus.dbc".to_owned(),
                     message: format!("{}: {error}", loaded.dbc_path.display()),
-                    help: "correct the DBC; `tertius check` lists what is wrong with it".to_owned(),
+                    help: "correct the DBC".to_owned(),
                 }],
             )
         })?;

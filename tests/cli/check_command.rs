@@ -225,6 +225,10 @@ fn an_error_of_the_dbc_matters_where_the_message_is_used() {
     let config = with_dbc(&scratch, "BO_ 433 Mru_Attitude: 6", "BO_ 433 Mru_Attitude 6");
     let words = ["e-type.dbc: line 125", "it should look like BO_ identifier Name: length"];
     refused(&scratch, &config, 1, "\"e-type.dbc\"", &words);
+    // Nobody is sent to the command that has just said it, and a replay says the same.
+    let run = check(&config);
+    assert!(run.stderr.contains("correct the DBC"), "{}", run.stderr);
+    assert!(!run.stderr.contains("tertius check"), "{}", run.stderr);
 }
 
 #[test]
