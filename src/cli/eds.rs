@@ -12,8 +12,10 @@ use std::path::{Path, PathBuf};
 /// and masters.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  tertius eds --config config/e-type.toml --output tertius.eds
-  tertius eds --config config/e-type.toml --dcf --output tertius.dcf")]
+  tertius eds --config config/e-type.toml --set canopen.node=true --output tertius.eds
+  tertius eds --config config/e-type.toml --set canopen.node=true --dcf --output tertius.dcf
+
+The configuration of a gateway that is a node has `node = true` in [canopen], and needs no --set.")]
 pub struct Eds {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
@@ -42,7 +44,7 @@ impl Eds {
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let design = node::design(&machine).ok_or_else(|| {
             Failure::Wrong(format!(
-                "{}: the gateway is no CANopen node; `node = true` in [canopen] makes it one",
+                "{}: the gateway is no CANopen node; `node = true` in [canopen] makes it one, or --set canopen.node=true",
                 self.config.display()
             ))
         })?;

@@ -83,6 +83,24 @@ fn without_a_node_there_is_no_sheet() {
     tertius(&["eds", "--config", &config], b"").failed(2, &words);
 }
 
+/// The examples of the help, word for word but for where they write.
+#[test]
+fn the_examples_of_the_help_write_sheets() {
+    let scratch = Scratch::new();
+    let help = tertius(&["eds", "--help"], b"").ok().stdout;
+    let examples = help.lines().filter_map(|line| line.trim().strip_prefix("tertius eds "));
+    let mut written = 0;
+    for example in examples.filter(|it| it.starts_with("--config")) {
+        let words: Vec<&str> = example.split(' ').collect();
+        let [call @ .., name] = &words[..] else { panic!("{example}") };
+        let sheet = scratch.path(name);
+        tertius(&[&["eds"], call, &[&*sheet]].concat(), b"").ok();
+        assert!(scratch.read(name).contains("CreatedBy=tertius eds"), "{example}");
+        written += 1;
+    }
+    assert_eq!(written, 2, "{help}");
+}
+
 /// A whole recording: every part of every PDO by the sheet and by the DBC.
 #[test]
 fn pdos_by_the_sheet_are_those_by_the_dbc() {
