@@ -21,6 +21,15 @@ pub struct FaultOptions {
     table: Option<PathBuf>,
 }
 
+/// What can have a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Faulty {
+    /// Readings in a recording or on a bus.
+    Readings,
+    /// These, and a simulated machine itself.
+    Machine,
+}
+
 /// A fault with its text.
 #[derive(Clone, Debug)]
 pub struct Named {
@@ -34,20 +43,26 @@ impl FaultOptions {
         self.table.as_deref()
     }
 
-    /// Reads the faults of the table, then those of the command line.
+    /// Reads the faults of the table, then those of the command line, of what is `faulty`.
     ///
     /// # Errors
     /// The first thing wrong with them.
-    pub fn read(&self) -> Result<Vec<Named>, Failure> {
+    pub fn read(&self, faulty: Faulty) -> Result<Vec<Named>, Failure> {
         let mut faults = match &self.table {
-            Some(path) => read_table(path)?,
+            Some(path) => read_table(path, faulty)?,
             None => Vec::new(),
         };
         for text in &self.faults {
             let name = format!("--fault {text:?}");
             match Fault::parse(text) {
                 Ok(fault) => faults.push(Named { name, fault }),
-                Err(error) => return Err(Failure::Wrong(format!("{name}: {error}"))),
+                Err(error) => {
+                    let error = match faulty {
+                        Faulty::Machine => error,
+                        Faulty::Readings => error.of_readings(),
+                    };
+                    return Err(Failure::Wrong(format!("{name}: {error}")));
+                }
             }
         }
         if faults.len() > MAX_FAULTS {
@@ -105,7 +120,7 @@ pub fn report(faults: &[Named], tallies: &[Tally]) {
     }
 }
 
-fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
+fn read_table(path: &Path, faulty: Faulty) -> Result<Vec<Named>, Failure> {
     let shown = path.display();
     let wrong = |what: String| Failure::Wrong(format!("{shown}: {what}"));
     let mut bytes = Vec::new();
@@ -114,7 +129,10 @@ fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
         .map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let text =
         String::from_utf8(bytes).map_err(|_| wrong("not a table: its text is not UTF-8".into()))?;
-    let faults = table::parse(&text).map_err(|error| wrong(error.to_string()))?;
+    let faults = table::parse(&text).map_err(|error| match faulty {
+        Faulty::Machine => wrong(error.to_string()),
+        Faulty::Readings => wrong(error.of_readings().to_string()),
+    })?;
     let named = faults
         .into_iter()
         .map(|(line, fault)| Named { name: format!("{shown}: line {line}"), fault });

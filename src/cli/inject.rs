@@ -1,7 +1,7 @@
 //! `tertius inject`: puts faults into a recording or a bus.
 
 use super::Failure;
-use super::faults::{self, FaultOptions};
+use super::faults::{self, FaultOptions, Faulty};
 use super::files::{Inputs, Mark, Overwriting, Writer};
 use super::machine::Machine;
 use super::overriding::SetOptions;
@@ -104,7 +104,7 @@ impl Inject {
     /// # Errors
     /// A wrong call or file, a recording without a frame for a fault, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let faults = self.faults.read()?;
+        let faults = self.faults.read(Faulty::Readings)?;
         if faults.is_empty() {
             let message = "no fault to inject; give --fault SPEC or --faults FILE.csv";
             return Err(Failure::Wrong(message.to_owned()));

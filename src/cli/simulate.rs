@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::broadcast::Broadcast;
-use super::faults::{self, FaultOptions, Named};
+use super::faults::{self, FaultOptions, Faulty, Named};
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::overriding::SetOptions;
@@ -149,7 +149,7 @@ impl Simulate {
     pub fn run(self) -> Result<(), Failure> {
         self.duration()?;
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;
-        let faults = self.faults.read()?;
+        let faults = self.faults.read(Faulty::Machine)?;
         let tables = self.plant.tables()?;
         let machine = Machine::load_unjudging(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;

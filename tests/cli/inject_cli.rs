@@ -126,6 +126,10 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     std::fs::write(&table, "cylinder,sensor,kind,t0,magnitude,parameter,t1\n1,C1,step,x,1,,\n")
         .unwrap();
     let table = table.to_str().unwrap();
+    let unknown = directory.path().join("unknown.csv");
+    std::fs::write(&unknown, "cylinder,sensor,kind,t0,magnitude,parameter,t1\n1,,stikking,1,1,,\n")
+        .unwrap();
+    let unknown = unknown.to_str().unwrap();
     let itself = log.to_str().unwrap();
     for (arguments, expected) in [
         (&[] as &[&str], "no fault to inject"),
@@ -135,6 +139,11 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
         (&["--fault", "out_of_range,cylinder=1,raw=5"], "valid range raw 1 to 27648"),
         (&["--faults", table], "line 2: column t0: at is \"x\", expected seconds"),
         (&["--fault", "stale,cylinder=1", "--output", itself], "name another file"),
+        // Only simulated machines have faults of their own, which are not offered here.
+        (&["--fault", "stp,cylinder=1"], "there are step, noise, incipient, drift, scale, freeze"),
+        (&["--fault", "stp,cylinder=1"], "broken_wire, stale, loss\n"),
+        (&["--fault", "leakag,cylinder=1"], "no fault is called \"leakag\"; there are step"),
+        (&["--faults", unknown], "line 2: no fault is called \"stikking\"; there are step"),
     ] {
         let output = inject(&log, arguments);
         let report = String::from_utf8(output.stderr).unwrap();

@@ -595,6 +595,7 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     run(&["--sea", "2"]).failed(2, &["--sea is \"2\"", "such as 2.5,9"]);
     run(&["--sea", "12,9"]).failed(2, &["take a calmer sea"]);
     run(&["--sea", "2,0.1"]).failed(2, &["peak period is 0.1 s", "2 to 30"]);
+    run(&["--fault", "leakag,cylinder=1"]).failed(2, &["nearest: leakage", "wrong_command"]);
     run(&["--fault", "stop,cylinder=1"]).failed(2, &["no fault is called \"stop\"", "step"]);
     run(&["--fault", "step,cylinder=7,size=1"]).failed(2, &["there is no cylinder 7"]);
     run(&["--plant", "no/such.toml"]).failed(2, &["no/such.toml", "cannot be read"]);

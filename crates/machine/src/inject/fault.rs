@@ -1,6 +1,6 @@
 //! A fault as a person writes it: `step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65`.
 
-use super::kind::{AILMENTS, Key, Kind, Rule, nearest};
+use super::kind::{AILMENTS, KINDS, Key, Kind, Rule, nearest};
 use super::shape::{Code, Shape, Window};
 use crate::plant::{Ailment, MOST_LATE};
 use tertius_core::time::Span;
@@ -68,9 +68,9 @@ pub enum SpecError {
     #[error(
         "no fault is called {given:?}{}; there are {}",
         hint(*.nearest),
-        names(super::kind::names())
+        names(.known.iter())
     )]
-    Kind { given: String, nearest: Option<&'static str> },
+    Kind { given: String, nearest: Option<&'static str>, known: Vec<&'static str> },
     #[error("{given:?} is not of the form key=value, such as size=0.00175")]
     Form { given: String },
     #[error("{kind} has no key {given:?}{}; it has {}", hint(*.nearest), names(.known.iter()))]
@@ -124,12 +124,26 @@ impl Fault {
     }
 }
 
+impl SpecError {
+    /// The same where only readings can have faults: offers no kinds of the machine itself.
+    #[must_use]
+    pub fn of_readings(self) -> Self {
+        match self {
+            Self::Kind { given, .. } => Self::kind(&given, &KINDS.each_ref().map(|kind| kind.name)),
+            other => other,
+        }
+    }
+
+    fn kind(given: &str, known: &[&'static str]) -> Self {
+        let nearest = nearest(given, known.iter().copied());
+        Self::Kind { given: given.to_owned(), nearest, known: known.to_vec() }
+    }
+}
+
 /// The kind of that name.
 pub(super) fn find_kind(given: &str) -> Result<&'static Kind, SpecError> {
-    Kind::find(given).ok_or_else(|| SpecError::Kind {
-        given: given.to_owned(),
-        nearest: nearest(given, super::kind::names()),
-    })
+    let all = || super::kind::names().collect::<Vec<_>>();
+    Kind::find(given).ok_or_else(|| SpecError::kind(given, &all()))
 }
 
 /// The keys and values that were given for a kind.

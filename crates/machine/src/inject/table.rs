@@ -18,6 +18,19 @@ pub struct FaultTableError {
     pub reason: Reason,
 }
 
+impl FaultTableError {
+    /// The same where only readings can have faults: offers no kinds of the machine itself.
+    #[must_use]
+    pub fn of_readings(self) -> Self {
+        match self.reason {
+            Reason::Spec { error } => {
+                Self { reason: Reason::Spec { error: error.of_readings() }, ..self }
+            }
+            reason => Self { reason, ..self },
+        }
+    }
+}
+
 /// Why a table is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
