@@ -56,13 +56,21 @@ pub struct Init {
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
     /// Reads so many minutes from the first frame on
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1440))]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = minutes)]
     minutes: u16,
     /// The meaning of the time stamps of a console recording
     #[arg(long, value_enum, default_value_t = StampOption::Auto)]
     time_stamps: StampOption,
     #[command(flatten)]
     overwriting: Overwriting,
+}
+
+/// Longest part of recordings that is read, minutes: a day.
+const LONGEST: u16 = 1440;
+
+fn minutes(text: &str) -> Result<u16, String> {
+    let minutes = text.parse().ok().filter(|minutes| (1..=LONGEST).contains(minutes));
+    minutes.ok_or_else(|| format!("expected whole minutes, 1 to {LONGEST}"))
 }
 
 impl Init {

@@ -203,6 +203,15 @@ fn nothing_is_invented_where_there_is_no_machine() {
 }
 
 #[test]
+fn minutes_are_whole() {
+    for wrong in ["0.1", "0", "1441", "ten"] {
+        let words = [&*format!("'{wrong}'"), "expected whole minutes, 1 to 1440"];
+        init(&["machine.dbc", "--minutes", wrong]).failed(2, &words);
+    }
+    init(&["machine.dbc", "--minutes", "1440"]).failed(2, &["machine.dbc"]);
+}
+
+#[test]
 fn a_recording_without_a_frame_is_named_with_what_it_seems_to_be() {
     let scratch = Scratch::new();
     let dbc = scratch.write("car.dbc", CAR);
