@@ -52,3 +52,27 @@ fn the_document_is_what_the_commands_say_of_themselves() {
          UPDATE_GOLDEN=1 cargo test --test cli cli_document"
     );
 }
+
+/// The tables of docs/COMMANDS.md, which are written by hand.
+#[test]
+fn the_commands_and_the_options_of_a_replay_are_explained() {
+    let document = fs::read_to_string(top().join("docs/COMMANDS.md")).expect("it is there");
+    let rows = document.lines().filter(|line| line.starts_with("| `")).collect::<Vec<_>>();
+    let is_explained = |name: &str| {
+        let word = |row: &&str| row.split(['`', ' ', ',']).any(|word| word == name);
+        rows.iter().any(|row| word(&row.split('|').nth(1).unwrap_or_default()))
+    };
+    let help = tertius(&["--help"], b"").ok().stdout;
+    let names = commands(&help);
+    let missing: Vec<&str> = names.into_iter().filter(|name| !is_explained(name)).collect();
+    assert!(missing.is_empty(), "docs/COMMANDS.md has no line for {missing:?}");
+    let help = tertius(&["replay", "--help"], b"").ok().stdout;
+    let lines = help.lines().map(str::trim_start).filter(|line| line.starts_with("--"));
+    let options: Vec<&str> = lines.filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(options.len() > 12, "{options:?}");
+    // Of all commands that read a configuration.
+    let general = |option: &&str| ["--config", "--set"].contains(option);
+    let missing = options.into_iter().filter(|it| !general(it) && !is_explained(it));
+    let missing: Vec<&str> = missing.collect();
+    assert!(missing.is_empty(), "docs/COMMANDS.md has no line for {missing:?} of `replay`");
+}
