@@ -258,5 +258,5 @@ fn a_night_between_two_recordings_counts_as_a_minute() {
     {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
-    assert!(run.stdout.contains("step of 1 mm 0.0") && run.stdout.contains("(24 of 24)"));
+    assert!(run.stdout.contains("step of 1 mm 0.0") && run.stdout.contains("(24 of 24 found"));
 }

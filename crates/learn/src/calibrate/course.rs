@@ -1,5 +1,6 @@
 //! A calibration from beginning to end, on a recording that can be read repeatedly.
 
+use super::constancy::LastingStep;
 use super::cutting::{Cuts, are_few, places};
 use super::watch::{OwnLevel, Watch};
 use super::{
@@ -245,9 +246,12 @@ impl CalibrationCourse<'_> {
         let (process, supply) = (taught.process, taught.supply);
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
+        let steps: Vec<Option<LastingStep>> = trying.lasting_steps().collect();
         // What contradicts is no measure for the others.
-        let contradicts =
-            |index: usize| levels[index].as_ref().is_some_and(|it| it.contradiction().is_some());
+        let contradicts = |index: usize| {
+            let level = levels[index].as_ref();
+            steps[index].is_some() || level.is_some_and(|it| it.contradiction().is_some())
+        };
         let bound = trying.bound(self.per_year, sample_time, |index| !contradicts(index));
         let by_rate = sequential::level(self.per_year, settings.machine.cylinders, sample_time);
         // What one part has taught and another one confirmed is no reason for a lower level.
@@ -257,6 +261,12 @@ impl CalibrationCourse<'_> {
         let cylinder = |(((number, result), tried), (sequential, level)): Learnt| {
             let index = usize::from(number) - 1;
             let contradiction = level.as_ref().and_then(Contradiction::of);
+            let result = result.and_then(|fitted| match steps[index] {
+                Some(LastingStep { at, size }) => {
+                    Err(CalibrationRefusal::Steps { at, size_mm: size * 1e3 })
+                }
+                None => Ok(fitted),
+            });
             let mut remarks = Vec::new();
             if result.is_ok() {
                 remarks.extend(gathering.remarks(index));

@@ -11,6 +11,7 @@
 //! resulting detectors are tried on the recording: what contradicts them is cut out once, and
 //! otherwise reported ([`Contradiction`]).
 
+mod constancy;
 mod course;
 mod cutting;
 mod division;
