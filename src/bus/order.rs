@@ -11,8 +11,12 @@ use super::input::{Input, InputPlace};
 use super::selection::Interfaces;
 use super::source::SourceError;
 
-/// Number of bytes of a recording in which its first frame is sought.
+/// Number of bytes of a recording that are looked at at a time.
 const PEEK: usize = 64 * 1024;
+
+/// Number of bytes of a recording in which its first frame is sought, unless it is read as a whole: some containers of a
+/// BLF, none of whose objects is there before the container's end.
+const LOOK: usize = 4 * PEEK;
 
 /// Most frames of a recording that is read as a whole, among which its first one of an interface is sought.
 const FRAMES: usize = 4096;
@@ -98,6 +102,7 @@ fn first_frames<T>(
     let format = formats::recognise(&bytes, true)?;
     let mut reader = (format.reader)(TimeStamps::Absolute);
     let (mut frame, mut used, mut frames) = (blank_frame(), 0, 0);
+    let mut looked = bytes.len();
     while frames < FRAMES || !format.is_whole {
         let rest = &bytes[used..];
         used += match reader.read(Unread { bytes: rest, end }, &mut frame) {
@@ -112,10 +117,12 @@ fn first_frames<T>(
             Item::Nothing { taken } | Item::Bad { taken, .. } => taken,
             Item::BadAt { .. } => 0,
             Item::LongLine => memchr::memchr(b'\n', rest).map_or(rest.len(), |line| line + 1),
-            Item::More if format.is_whole && end == End::Open => {
+            Item::More if end == End::Open && used > 0 && (format.is_whole || looked < LOOK) => {
                 bytes.drain(..used);
+                let left = bytes.len();
                 used = 0;
                 fill(&mut input, &mut bytes, &mut end);
+                looked += bytes.len() - left;
                 0
             }
             Item::More => return None,

@@ -65,6 +65,7 @@ impl std::fmt::Display for BadLine {
         let Self { file, place, text, reason } = self;
         match place {
             BadPlace::Line(line) => write!(f, "{file}:{line}: {reason}: {text}"),
+            BadPlace::Byte(byte) if text.is_empty() => write!(f, "{file}, byte {byte}: {reason}"),
             BadPlace::Byte(byte) => write!(f, "{file}, byte {byte}: {reason}: {text}"),
         }
     }

@@ -50,6 +50,13 @@ fn a_recording_says_the_same_in_every_format() {
         assert_eq!(other_warnings.len(), warnings.len(), "{recording}");
         assert_eq!(other_warnings, warnings, "{recording}");
     }
+    // A log that ends in a container is replayed up to it, and told to be damaged.
+    let whole = fs::read(&blf).expect("it was written");
+    let cut = scratch.write("cut.blf", &whole[..whole.len() - 100]);
+    let told = "cut.blf: frames are missing; at byte ";
+    let run = replay(&[&cut], E_TYPE, &[]).failed(1, &[told, "the rest of a container"]);
+    let summary = run.summary();
+    assert_eq!((&summary["judged"], &summary["damaged_inputs"]), (&true.into(), &1.into()));
     // What leads to the frames stands behind them here.
     let whole = fs::read(&mf4).expect("it was written");
     let cut = scratch.write("cut.mf4", &whole[..whole.len() / 2]);

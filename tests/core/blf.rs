@@ -86,14 +86,83 @@ fn what_python_can_writes_is_the_candump_that_it_was_made_from() {
     }
 }
 
+/// The frames that the written logs are of.
+fn frames_of_log() -> Vec<Frame> {
+    read(&fs::read(oracle::top().join(LOG)).expect("the excerpt")).0
+}
+
+/// Places of the containers of a log.
+fn containers(blf: &[u8]) -> Vec<usize> {
+    let (mut at, mut places) = (144, Vec::new());
+    while at < blf.len() {
+        places.push(at);
+        let length = blf[at + 8..at + 12].try_into().expect("four bytes");
+        let length = u32::from_le_bytes(length) as usize;
+        at += length + length % 4;
+    }
+    places
+}
+
+/// Whether all of `found` are among `frames` in their order, with at most one gap.
+fn are_but_for_a_gap(found: &[Frame], frames: &[Frame]) -> bool {
+    let is_same =
+        |(one, other): &(&Frame, &Frame)| one.id == other.id && one.data() == other.data();
+    let ahead = found.iter().zip(frames).take_while(is_same).count();
+    let behind = found[ahead..].iter().rev().zip(frames.iter().rev()).take_while(is_same).count();
+    ahead + behind == found.len()
+}
+
 #[test]
 fn a_log_that_was_never_finished_has_what_is_there() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (frames, _) = read(&fs::read(oracle::top().join(LOG)).expect("the excerpt"));
+    let frames = frames_of_log();
     let blf = written(&["write", LOG, "BLF", "1000", "0"], folder.path());
-    let (found, _) = read(&blf[..blf.len() / 2]);
+    let (found, statistics) = read(&blf[..blf.len() / 2]);
     assert!((frames.len() / 3..frames.len()).contains(&found.len()), "{}", found.len());
     assert!(found.iter().zip(&frames).all(|(one, other)| one.data() == other.data()));
+    assert_eq!(statistics.damaged_inputs, 1, "it says so");
+}
+
+#[test]
+fn a_log_that_is_cut_anywhere_has_its_whole_containers_and_is_damaged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = frames_of_log();
+    for level in ["0", "-1"] {
+        let blf = written(&["write", LOG, "BLF", "1000", level], folder.path());
+        let whole = containers(&blf);
+        // One byte less may be of the padding behind the last container.
+        let cuts = (144..blf.len() - 3).step_by(37).chain(whole.iter().copied());
+        for cut in cuts {
+            let (found, statistics) = read(&blf[..cut]);
+            let told = (statistics.damaged_inputs, statistics.damage.len());
+            assert_eq!(told, (1, 1), "{cut} of {}", blf.len());
+            assert_eq!(statistics.bad_lines, 1, "{:?}", statistics.first_bad_lines);
+            let is_sound = |(one, other): (&Frame, &Frame)| one.data() == other.data();
+            assert!(found.iter().zip(&frames).all(is_sound), "{cut}");
+            let containers = whole.iter().filter(|place| **place <= cut).count() - 1;
+            assert!(found.len() + 1 >= containers * 1000 / 48, "{} at {cut}", found.len());
+            let said = statistics.damage[0].to_string();
+            assert!(said.contains("frames are missing; at byte "), "{said}");
+            assert!(said.contains("found the end of the file, expected "), "{said}");
+        }
+        let (found, statistics) = read(&blf);
+        assert_eq!((found.len(), statistics.damaged_inputs), (frames.len(), 0));
+    }
+}
+
+#[test]
+fn an_object_that_its_last_container_cuts_off_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut blf = written(&["write", LOG, "BLF", "131072", "0"], folder.path());
+    let (frames, short) = (frames_of_log().len(), blf.len() - 8);
+    let length = (short - 144) as u32;
+    blf.truncate(short);
+    blf[144 + 8..144 + 12].copy_from_slice(&length.to_le_bytes());
+    blf[16..24].copy_from_slice(&(short as u64).to_le_bytes());
+    let (found, statistics) = read(&blf);
+    assert_eq!((found.len(), statistics.damaged_inputs), (frames - 1, 1));
+    let said = statistics.damage[0].to_string();
+    assert!(said.contains("expected the rest of the last object"), "{said}");
 }
 
 #[test]
@@ -122,18 +191,25 @@ fn an_object_without_a_length_ends_and_is_told() {
 }
 
 #[test]
-fn what_comes_before_damage_in_a_container_is_read() {
+fn a_container_of_which_a_bit_is_wrong_is_left_out_and_those_behind_it_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (frames, _) = read(&fs::read(oracle::top().join(LOG)).expect("the excerpt"));
-    let mut blf = written(&["write", LOG, "BLF", "131072", "-1"], folder.path());
-    let middle = blf.len() / 2;
-    blf[middle..middle + 64].fill(0xFF);
-    let (found, statistics) = read(&blf);
-    // Python's zlib, too, finds ten before it finds the damage.
-    assert!((5..frames.len()).contains(&found.len()), "{}", found.len());
-    assert!(found.iter().zip(&frames).all(|(one, other)| one.data() == other.data()));
-    let said = statistics.first_bad_lines[0].reason.to_string();
-    assert!(said.contains("the data of a container by zlib"), "{said}");
+    let frames = frames_of_log();
+    let blf = written(&["write", LOG, "BLF", "1000", "-1"], folder.path());
+    let places = containers(&blf);
+    let (begin, end) = (places[1] + 32, places[2] - 3);
+    for bit in (begin * 8..end * 8).step_by(5) {
+        let mut damaged = blf.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        let (found, statistics) = read(&damaged);
+        // The objects that begin before it or end behind it are lost with it.
+        let missing = frames.len() - found.len();
+        assert!((1000 / 48..=1000 / 48 + 2).contains(&missing), "{missing} at {bit}");
+        assert!(are_but_for_a_gap(&found, &frames), "only what was sent, at {bit}");
+        assert_eq!((statistics.damaged_inputs, statistics.bad_lines), (1, 1), "{bit}");
+        let said = statistics.damage[0].to_string();
+        let place = format!("frames are missing; at byte {}: the data of a container", places[1]);
+        assert!(said.contains(&place) && said.contains("checksum"), "{said}");
+    }
 }
 
 /// Logs with and without compression, in containers of which objects stick out.

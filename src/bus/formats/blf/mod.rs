@@ -1,8 +1,12 @@
 //! Vector's Binary Logging Format BLF: objects in containers, most of which are compressed.
 //!
 //! A file begins with its head, which tells the start as a date in UTC. Containers follow, and objects within them, which
-//! may begin in one and end in the next. Objects of CAN become frames; others are left out. What is inflated is bounded.
+//! may begin in one and end in the next. Objects of CAN become frames; others are left out. A compressed container is
+//! inflated whole, up to 16 MiB, and its checksum compared before its objects are used: one that is damaged or cut off is
+//! left out and told, and reading goes on at the first object behind it. A container that is not compressed has no
+//! checksum.
 
+mod contents;
 mod object;
 mod writer;
 
@@ -10,10 +14,10 @@ use crate::bus::encoder::Written;
 use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::Frame;
-use flate2::{Decompress, FlushDecompress, Status};
 
 use super::candump::stamp::Stamp;
 use super::channels::NumberedName;
+use contents::{Container, Contents, Inflater};
 use object::{CONTAINER, OBJECT, ObjectHead};
 
 pub static FORMAT: Format = Format {
@@ -40,10 +44,6 @@ const MOST_HEAD: usize = 4096;
 const CONTAINER_HEAD: usize = 32;
 /// Bytes that are taken at a time, of data and of what is dropped.
 const PART: usize = 1 << 12;
-/// Bytes that are inflated at a time.
-const INFLATED: usize = 8 * PART;
-/// Most bytes that a part may inflate to; zlib reaches a thousandfold.
-const MOST_INFLATED: usize = 1100 * PART;
 /// Longest object that is looked at; others are dropped.
 const LONGEST_OBJECT: usize = 4096;
 /// Most bytes between two objects.
@@ -56,9 +56,9 @@ enum State {
     Begin,
     /// An object or container.
     Object,
-    /// Data of a container of which these bytes are left.
-    Data { left: usize, padding: usize, inflater: Option<Box<Decompress>> },
-    /// Bytes of a container that cannot be used.
+    /// Data of a container.
+    Data(Container),
+    /// Bytes of a container that cannot be used, or behind one.
     Dropped { left: usize },
     /// Nothing can be found any more.
     Lost,
@@ -68,15 +68,14 @@ enum State {
 #[derive(Default)]
 struct Blf {
     state: State,
+    /// Bytes of the file that were taken, and its length as its head tells it.
+    at: u64,
+    length: u64,
     /// Start since 1970, ns; `None` if the head does not tell it.
     start: Option<i64>,
-    /// What the containers have had, from its first byte that was not used.
-    objects: Vec<u8>,
-    used: usize,
+    contents: Contents,
     /// Bytes of a long object that are still to come.
     skipped: usize,
-    /// What a part of a container inflates to, before it goes to `objects`: [`INFLATED`] bytes once there is one.
-    inflated: Vec<u8>,
     /// Channel of the newest frame, and the name of its interface.
     channel: u16,
     interface: NumberedName,
@@ -86,7 +85,13 @@ struct Blf {
 enum Step {
     Taken(usize),
     More,
-    Bad { taken: usize, reason: Reason },
+    /// An object that is no frame and should be one.
+    Bad(Reason),
+    /// A place from which on any number of frames cannot be found.
+    Missing {
+        at: u64,
+        reason: Reason,
+    },
     Frame,
 }
 
@@ -98,6 +103,10 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes))
 }
 
+fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+    bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u64::from_le_bytes(*bytes))
+}
+
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
     bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u16::from_le_bytes(*bytes))
 }
@@ -105,7 +114,10 @@ fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
 impl Reader for Blf {
     fn read<'a>(&'a mut self, unread: Unread<'a>, frame: &mut Frame) -> Item<'a> {
         let step = match self.object(frame) {
-            Step::More => self.file(unread),
+            Step::More => match self.file(unread) {
+                Step::More if unread.end != End::Open => self.end(unread.bytes),
+                step => step,
+            },
             step => step,
         };
         match step {
@@ -113,9 +125,13 @@ impl Reader for Blf {
                 let interface = self.interface.channel(self.channel.into());
                 Item::Frame { taken: 0, interface, absolute: self.start.is_some() }
             }
-            Step::Taken(taken) => Item::Nothing { taken },
+            Step::Taken(taken) => {
+                self.at += taken as u64;
+                Item::Nothing { taken }
+            }
             Step::More => Item::More,
-            Step::Bad { taken, reason } => Item::Bad { shown: 0, taken, reason },
+            Step::Bad(reason) => Item::Bad { shown: 0, taken: 0, reason },
+            Step::Missing { at, reason } => Item::BadAt { at, shown: &[], reason, loses: true },
         }
     }
 }
@@ -123,11 +139,13 @@ impl Reader for Blf {
 impl Blf {
     /// The next object of what the containers have had.
     fn object(&mut self, frame: &mut Frame) -> Step {
+        self.contents.mend();
         loop {
-            let rest = &self.objects[self.used..];
+            let rest = self.contents.unused();
             if self.skipped > 0 {
                 let skipped = self.skipped.min(rest.len());
-                (self.skipped, self.used) = (self.skipped - skipped, self.used + skipped);
+                self.skipped -= skipped;
+                self.contents.take(skipped);
                 if self.skipped > 0 {
                     return Step::More;
                 }
@@ -141,31 +159,36 @@ impl Blf {
                 let reason = expected(rest, "an object, which begins with LOBJ");
                 // It may begin with the last bytes.
                 let last = rest.len() - PADDING - (OBJECT.len() - 1);
-                self.used += PADDING + places.position(|it| it == OBJECT).unwrap_or(last);
-                return Step::Bad { taken: 0, reason };
+                let taken = PADDING + places.position(|it| it == OBJECT).unwrap_or(last);
+                self.contents.take(taken);
+                return Step::Bad(reason);
             };
-            self.used += begin;
             let rest = &rest[begin..];
             let Some(head) = ObjectHead::of(rest) else { return Step::More };
             if head.length < ObjectHead::LENGTH {
-                self.used += OBJECT.len();
                 let reason = expected(&rest[8..], "the length of an object, 16 or more");
-                return Step::Bad { taken: 0, reason };
+                self.contents.take(begin + OBJECT.len());
+                return Step::Bad(reason);
             }
             if !head.is_can() || head.length > LONGEST_OBJECT {
+                let reason = expected(&rest[8..], "the length of a frame's object, at most 4096");
+                self.contents.take(begin);
                 self.skipped = head.length;
+                if head.is_can() {
+                    return Step::Bad(reason);
+                }
                 continue;
             }
             let Some(object) = rest.get(..head.length) else { return Step::More };
             let read = object::read(object, &head, self.start.unwrap_or(0), frame);
-            self.used += head.length;
+            self.contents.take(begin + head.length);
             match read {
                 Ok(Some(channel)) => {
                     self.channel = channel;
                     return Step::Frame;
                 }
                 Ok(None) => {}
-                Err(reason) => return Step::Bad { taken: 0, reason },
+                Err(reason) => return Step::Bad(reason),
             }
         }
     }
@@ -192,11 +215,39 @@ impl Blf {
                 *left -= taken;
                 Step::Taken(taken)
             }
-            State::Data { left, .. } => match part(*left) {
+            State::Data(container) => match part(container.left) {
                 Some(taken) => self.data(&bytes[..taken]),
                 None => Step::More,
             },
         }
+    }
+
+    /// What is missing at the end of the file, of which `bytes` are left. It is told once.
+    fn end(&mut self, bytes: &[u8]) -> Step {
+        let (at, expected) = match &self.state {
+            State::Begin | State::Lost => return Step::More,
+            State::Data(Container { at, inflater: Some(_), .. }) => {
+                (*at, "the rest of a container, which is left out since its checksum is there")
+            }
+            State::Data(container) => (container.at, "the rest of a container"),
+            _ if !bytes.is_empty() => (self.at, "the rest of an object's or container's head"),
+            _ if self.skipped > 0 || self.contents.has_begun() => {
+                (self.at, "the rest of the last object")
+            }
+            // A container has at least its head.
+            _ if self.length >= self.at + CONTAINER_HEAD as u64 => {
+                (self.at, "as many bytes as the log's head tells")
+            }
+            _ => return Step::More,
+        };
+        self.state = State::Lost;
+        Step::Missing { at, reason: Reason::EndExpected(expected) }
+    }
+
+    /// Nothing can be found from `at` on.
+    fn lost(&mut self, at: u64, reason: Reason) -> Step {
+        self.state = State::Lost;
+        Step::Missing { at, reason }
     }
 
     fn begin(&mut self, bytes: &[u8]) -> Step {
@@ -205,9 +256,8 @@ impl Blf {
         }
         let length = u32_at(bytes, 4).unwrap_or(0) as usize;
         if !(FILE_HEAD..=MOST_HEAD).contains(&length) {
-            self.state = State::Lost;
             let reason = expected(&bytes[4..], "the length of a log's head, 72 to 4096");
-            return Step::Bad { taken: FILE_HEAD, reason };
+            return self.lost(4, reason);
         }
         if bytes.len() < length {
             return Step::More;
@@ -220,6 +270,7 @@ impl Blf {
             );
             self.start = Stamp::parse(date.as_bytes()).ok().map(|stamp| stamp.nanos);
         }
+        self.length = u64_at(bytes, 16).unwrap_or(0);
         self.state = State::Object;
         Step::Taken(length)
     }
@@ -232,89 +283,52 @@ impl Blf {
         let Some(head) = ObjectHead::of(bytes) else { return Step::More };
         let least = if head.kind == CONTAINER { CONTAINER_HEAD } else { ObjectHead::LENGTH };
         if !bytes.starts_with(OBJECT) || head.length < least {
-            self.state = State::Lost;
             let reason = expected(bytes, "an object, which begins with LOBJ and its length");
-            return Step::Bad { taken: ObjectHead::LENGTH, reason };
+            return self.lost(self.at, reason);
         }
-        let padding = head.length % 4;
+        let (at, padding) = (self.at, head.length % 4);
         if head.kind != CONTAINER {
             // An object outside of any container is taken as if it were in one.
-            self.state = State::Data { left: head.length, padding, inflater: None };
+            let container = Container { at, left: head.length, padding, inflater: None };
+            self.state = State::Data(container);
             return self.data(&bytes[..ObjectHead::LENGTH]);
         }
         let Some(method) = u16_at(bytes, 16).filter(|_| bytes.len() >= CONTAINER_HEAD) else {
             return Step::More;
         };
         let left = head.length - CONTAINER_HEAD;
-        let step = match method {
-            0 => Ok(None),
-            2 => Ok(Some(Box::new(Decompress::new(true)))),
+        let inflater = match method {
+            0 => None,
+            2 => Some(Box::new(Inflater::new())),
             _ => {
-                Err(expected(&bytes[16..], "a container that is compressed by zlib, or not at all"))
+                let known = "a container that is compressed by zlib, or not at all";
+                return self.lose(at, head.length + padding, expected(&bytes[16..], known));
             }
         };
-        match step {
-            Ok(inflater) => self.state = State::Data { left, padding, inflater },
-            Err(reason) => {
-                self.state = State::Dropped { left: left + padding };
-                return Step::Bad { taken: CONTAINER_HEAD, reason };
-            }
-        }
-        if left == 0 {
-            self.state = State::Dropped { left: padding };
-        }
+        self.state = match left {
+            0 => State::Dropped { left: padding },
+            _ => State::Data(Container { at, left, padding, inflater }),
+        };
         Step::Taken(CONTAINER_HEAD)
     }
 
     /// Takes data of a container.
     fn data(&mut self, data: &[u8]) -> Step {
-        let State::Data { left, padding, inflater } = &mut self.state else { return Step::More };
-        self.objects.drain(..self.used);
-        self.used = 0;
-        *left -= data.len();
-        let (left, padding) = (*left, *padding);
-        let result = match inflater {
-            Some(inflater) => inflate(inflater, data, &mut self.inflated, &mut self.objects),
-            None => {
-                self.objects.extend_from_slice(data);
-                Ok(())
-            }
-        };
-        if left == 0 || result.is_err() {
-            self.state = State::Dropped { left: left + padding };
+        let State::Data(container) = &mut self.state else { return Step::More };
+        let (at, padding, dropped) = (container.at, container.padding, container.left);
+        match self.contents.add(container, data) {
+            Ok(()) if container.left == 0 => self.state = State::Dropped { left: padding },
+            Ok(()) => {}
+            Err(reason) => return self.lose(at, dropped + padding, reason),
         }
-        match result {
-            Ok(()) => Step::Taken(data.len()),
-            Err(reason) => Step::Bad { taken: data.len(), reason },
-        }
+        Step::Taken(data.len())
     }
-}
 
-/// Adds what `data` inflate to, by way of `room`: the room that a vector has is filled with zeros at each call.
-fn inflate(
-    inflater: &mut Decompress,
-    data: &[u8],
-    room: &mut Vec<u8>,
-    objects: &mut Vec<u8>,
-) -> Result<(), Reason> {
-    let damaged = || expected(data, "the data of a container by zlib");
-    room.resize(INFLATED, 0);
-    let (before, held) = (inflater.total_in(), objects.len());
-    loop {
-        let (used, had) = ((inflater.total_in() - before) as usize, inflater.total_out());
-        let status = inflater.decompress(&data[used..], room, FlushDecompress::None);
-        // What comes before damage is sound.
-        let more = (inflater.total_out() - had) as usize;
-        objects.extend_from_slice(&room[..more]);
-        let status = status.map_err(|_| damaged())?;
-        let is_full = more == room.len();
-        if objects.len() - held > MOST_INFLATED {
-            return Err(damaged());
-        }
-        match status {
-            Status::StreamEnd => return Ok(()),
-            Status::Ok | Status::BufError if is_full => {}
-            Status::Ok | Status::BufError => return Ok(()),
-        }
+    /// Drops the container `at` a place, of which `dropped` bytes are still to be taken.
+    fn lose(&mut self, at: u64, dropped: usize, reason: Reason) -> Step {
+        self.contents.lose();
+        self.skipped = 0;
+        self.state = State::Dropped { left: dropped };
+        Step::Missing { at, reason }
     }
 }
