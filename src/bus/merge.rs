@@ -3,11 +3,17 @@
 //! Each bus may have been recorded to files of its own, or all to one, where what is written beside each other is out of
 //! order by as much as the recorder was late. Frames are therefore held back until the newest one is the gateway's guard
 //! ahead, as the gateway holds back what its interfaces receive: both give the monitor the same frames in the same order.
+//!
+//! Which files follow each other and which run beside each other is told by the buses that their first mebibyte has, after
+//! decompression: files that share a bus follow each other in the order in which they are named. A recording of all buses
+//! may therefore be cut anywhere. If each of its pieces begins with a mebibyte of one bus only, and not all of them with the
+//! same one, they are taken for recordings of single buses, which differ where frames have equal time stamps or the clock
+//! was set back.
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::frame::Frame;
+use crate::frame::{BusNumber, Frame};
 use crate::time::{Span, Timestamp};
 
 use super::input::InputPlace;
@@ -15,6 +21,7 @@ use super::options::Options;
 use super::order;
 use super::progress::Progress;
 use super::recording::Recording;
+use super::selection::SeveralInterfaces;
 use super::source::{Source, SourceError};
 use super::statistics::Statistics;
 
@@ -71,30 +78,28 @@ struct Lane {
 }
 
 impl Merge {
-    /// Opens `paths`: files that begin with the same interface follow each other, and others run beside them. Frames are
-    /// sorted that are out of order by less than `disorder`.
+    /// Opens `paths`, each file in its lane. Frames are sorted that are out of order by less than that of `several`.
     ///
     /// # Errors
     /// See [`Recording::open`].
     pub fn open<P: AsRef<Path>>(
         paths: &[P],
         options: &Options,
-        disorder: Span,
+        several: &SeveralInterfaces,
     ) -> Result<Self, SourceError> {
-        let mut lanes: Vec<(Option<Vec<u8>>, Vec<PathBuf>)> = Vec::new();
-        for path in paths.iter().map(AsRef::as_ref) {
-            let begins = order::first_interface(&InputPlace::of(path), &options.interfaces);
-            match lanes.iter_mut().find(|(known, _)| *known == begins) {
-                Some((_, lane)) => lane.push(path.to_owned()),
-                None => lanes.push((begins, vec![path.to_owned()])),
-            }
-        }
-        let open = |(_, paths): (_, Vec<PathBuf>)| {
+        let meant: Vec<BusNumber> = several.buses.iter().map(|(bus, _)| *bus).collect();
+        let buses = |path: &P| {
+            order::first_buses(&InputPlace::of(path.as_ref()), &options.interfaces, meant.len())
+        };
+        let files: Vec<Vec<BusNumber>> = paths.iter().map(buses).collect();
+        let open = |files: Vec<usize>| {
+            let paths: Vec<&Path> = files.iter().map(|file| paths[*file].as_ref()).collect();
             let recording = Recording::lane(&paths, options.clone())?;
             Ok(Lane { recording, next: None, ended: false })
         };
-        let lanes = lanes.into_iter().map(open).collect::<Result<_, SourceError>>()?;
-        let back = Span::from_nanos(disorder.as_nanos().saturating_neg());
+        let lanes = lanes(&files, &meant).into_iter().map(open);
+        let lanes = lanes.collect::<Result<_, SourceError>>()?;
+        let back = Span::from_nanos(several.disorder.as_nanos().saturating_neg());
         Ok(Self { lanes, sorter: Sorter::default(), back, set_back: None })
     }
 
@@ -147,6 +152,30 @@ impl Merge {
     }
 }
 
+/// The files of each lane, in the order in which they are named, by the buses that each of the `files` is known to have:
+/// those that share a bus, directly or by way of others, are of one lane. A file of which no bus is known follows the lane
+/// that has all `several` buses, where there is one.
+fn lanes(files: &[Vec<BusNumber>], several: &[BusNumber]) -> Vec<Vec<usize>> {
+    // Of each bus one that stands for all that are of its lane.
+    let mut lane_of = BusNumber::ALL;
+    for buses in files {
+        let joined: Vec<BusNumber> = buses.iter().map(|bus| lane_of[*bus as usize]).collect();
+        let shared = lane_of.iter_mut().filter(|lane| joined.contains(lane));
+        shared.for_each(|lane| *lane = joined[0]);
+    }
+    let lane = |bus: &BusNumber| lane_of[*bus as usize];
+    let all = several.first().map(lane).filter(|all| several.iter().all(|bus| lane(bus) == *all));
+    let mut lanes: Vec<(Option<BusNumber>, Vec<usize>)> = Vec::new();
+    for (file, buses) in files.iter().enumerate() {
+        let lane = buses.first().map(lane).or(all);
+        match lanes.iter_mut().find(|(known, _)| *known == lane) {
+            Some((_, lane)) => lane.push(file),
+            None => lanes.push((lane, vec![file])),
+        }
+    }
+    lanes.into_iter().map(|(_, files)| files).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,6 +197,29 @@ mod tests {
             std::iter::from_fn(|| sorter.take(until)).map(|frame| frame.id.value()).collect();
         assert_eq!(taken, [2, 4, 1, 3, 5]);
         assert_eq!(sorter.newest(), Some(Timestamp::from_nanos(9_000_000)));
+    }
+
+    #[test]
+    fn files_that_share_a_bus_follow_each_other_and_others_run_beside_them() {
+        use BusNumber::{First, Second, Third};
+        let lanes = |files: &[&[BusNumber]], several: &[BusNumber]| {
+            lanes(&files.iter().map(|buses| buses.to_vec()).collect::<Vec<_>>(), several)
+        };
+        let two = [First, Second];
+        // One file for each bus, or several for each.
+        assert_eq!(lanes(&[&[Second], &[First]], &two), [[0], [1]]);
+        assert_eq!(lanes(&[&[First], &[Second], &[First], &[Second]], &two), [[0, 2], [1, 3]]);
+        // Pieces of a recording of both, of which some begin with one bus, or have no frame that is meant.
+        assert_eq!(lanes(&[&[First, Second], &[Second], &[First], &[]], &two), [[0, 1, 2, 3]]);
+        assert_eq!(lanes(&[&[First], &[], &[Second], &[Second, First]], &two), [[0, 1, 2, 3]]);
+        // A pipe beside a file of one bus.
+        assert_eq!(lanes(&[&[First], &[]], &two), [[0], [1]]);
+        // Two buses to one recorder, the third to another.
+        let three = [First, Second, Third];
+        let files: [&[BusNumber]; 4] = [&[Third], &[Second, First], &[First], &[Third]];
+        assert_eq!(lanes(&files, &three), [[0, 3], [1, 2]]);
+        let files: [&[BusNumber]; 4] = [&[Third], &[Second], &[First], &[First, Third]];
+        assert_eq!(lanes(&files, &three), [vec![0, 2, 3], vec![1]]);
     }
 
     #[test]

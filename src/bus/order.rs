@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::frame::Frame;
-use crate::time::Timestamp;
+use crate::frame::{BusNumber, Frame};
+use crate::time::{Span, Timestamp};
 
 use super::format::{End, Item, TimeStamps, Unread, blank_frame};
 use super::formats;
@@ -18,14 +18,18 @@ const PEEK: usize = 64 * 1024;
 /// BLF, none of whose objects is there before the container's end.
 const LOOK: usize = 4 * PEEK;
 
+/// Number of bytes of a recording in which the buses are sought that it has: in text two seconds of a full bus of
+/// 1 Mbit/s, or half a minute of a machine.
+const LOOK_FOR_BUSES: usize = 16 * PEEK;
+
 /// Most frames of a recording that is read as a whole, among which its first one of an interface is sought.
 const FRAMES: usize = 4096;
 
 /// Most recordings whose right order is listed in full.
 const LISTED: usize = 16;
 
-/// Refuses recordings one of which begins before one that is named ahead of it. Only files are
-/// examined, and time stamps with an origin of their own are ignored.
+/// Refuses recordings one of which begins before one that is named ahead of it, by more than frames of several buses may
+/// be out of order. Only files are examined, and time stamps with an origin of their own are ignored.
 ///
 /// # Errors
 /// The two recordings, and the right order.
@@ -35,7 +39,13 @@ pub fn check(places: &[&InputPlace], interfaces: &Interfaces) -> Result<(), Sour
     }
     let begins = |place: &&InputPlace| Some((place.name(), beginning(place, interfaces)?));
     let mut known: Vec<(String, Timestamp)> = places.iter().filter_map(begins).collect();
-    let Some(wrong) = known.windows(2).position(|pair| pair[1].1 < pair[0].1) else {
+    // A recording of several buses may be cut within what is out of order.
+    let disorder = match interfaces {
+        Interfaces::Several(several) => several.disorder,
+        _ => Span::ZERO,
+    };
+    let is_wrong = |pair: &[(String, Timestamp)]| pair[0].1.since(pair[1].1) > disorder;
+    let Some(wrong) = known.windows(2).position(is_wrong) else {
         return Ok(());
     };
     let [ahead, later] = [wrong, wrong + 1].map(|place| known[place].clone());
@@ -74,7 +84,7 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
 /// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
 fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
     let mut first = None;
-    let found = first_frames(place, |frame, interface, absolute| {
+    let found = first_frames(place, LOOK, |frame, interface, absolute| {
         first = first.or(absolute.then_some(frame.timestamp));
         (absolute && interfaces.mean(interface)).then_some(frame.timestamp)
     });
@@ -82,15 +92,23 @@ fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
     found.or(first.filter(|_| matches!(interfaces, Interfaces::One(_))))
 }
 
-/// The interface that is meant and comes first in a file; `None` if none does soon, or it is not a file.
-pub fn first_interface(place: &InputPlace, interfaces: &Interfaces) -> Option<Vec<u8>> {
-    first_frames(place, |_, interface, _| interfaces.mean(interface).then(|| interface.to_vec()))
+/// The buses that the beginning of a file has frames of, at most `several`; none where it is not a file. All of the
+/// beginning is looked at, up to [`LOOK_FOR_BUSES`], unless it has all of them.
+pub fn first_buses(place: &InputPlace, interfaces: &Interfaces, several: usize) -> Vec<BusNumber> {
+    let mut buses = Vec::new();
+    first_frames(place, LOOK_FOR_BUSES, |_, interface, _| {
+        let bus = interfaces.bus(interface).filter(|bus| !buses.contains(bus));
+        buses.extend(bus);
+        (buses.len() >= several).then_some(())
+    });
+    buses
 }
 
-/// Passes the first frames of a file to `find`, with their interface and whether their time stamp is absolute, until it
-/// finds something.
+/// Passes the first frames of a file, those in `look` of its bytes, to `find`, with their interface and whether their
+/// time stamp is absolute, until it finds something.
 fn first_frames<T>(
     place: &InputPlace,
+    look: usize,
     mut find: impl FnMut(&Frame, &[u8], bool) -> Option<T>,
 ) -> Option<T> {
     let InputPlace::File(path) = place else { return None };
@@ -117,7 +135,7 @@ fn first_frames<T>(
             Item::Nothing { taken } | Item::Bad { taken, .. } => taken,
             Item::BadAt { .. } => 0,
             Item::LongLine => memchr::memchr(b'\n', rest).map_or(rest.len(), |line| line + 1),
-            Item::More if end == End::Open && used > 0 && (format.is_whole || looked < LOOK) => {
+            Item::More if end == End::Open && used > 0 && (format.is_whole || looked < look) => {
                 bytes.drain(..used);
                 let left = bytes.len();
                 used = 0;

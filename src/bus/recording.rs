@@ -78,7 +78,7 @@ impl Recording {
     /// A file does not exist, may not be read or is a directory; files are not in the order of time.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: Options) -> Result<Self, SourceError> {
         if let Interfaces::Several(several) = &options.interfaces {
-            let merge = Box::new(Merge::open(paths, &options, several.disorder)?);
+            let merge = Box::new(Merge::open(paths, &options, several)?);
             return Ok(Self { merge: Some(merge), ..Self::over(VecDeque::new(), None, options) });
         }
         Self::lane(paths, options)

@@ -66,6 +66,75 @@ fn a_recording_of_two_buses_is_read_from_one_file_or_two_in_any_order() {
 }
 
 #[test]
+fn a_recording_of_two_buses_may_be_cut_anywhere() {
+    let scratch = Scratch::new();
+    let log = simulated(&scratch, CONFIG, "both.log");
+    // Both buses write at the same times, a recorder writes one of them late, and the clock is set back once.
+    let first = |line: &str| line[1..11].parse::<i64>().expect("seconds");
+    let start = first(&log);
+    let lines: Vec<String> = { log.split_inclusive('\n') }
+        .map(|line| {
+            let micros = line[12..18].parse::<i64>().expect("microseconds") / 1000 * 1000;
+            let back = if first(line) - start < 15 { 0 } else { 5 };
+            format!("({}.{micros:06}){}", first(line) - back, &line[19..])
+        })
+        .collect();
+    let mut lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+    lines.chunks_mut(7).for_each(|chunk| chunk.sort_by_key(|line| line.contains(" can0 ")));
+    scratch.write("whole.log", lines.concat());
+    let expected = residuals(&scratch, CONFIG, &["whole.log"], &[]);
+    let mut seeded = Seeded(5);
+    let cut = |at: &[usize]| {
+        let ends = at.iter().copied().chain([lines.len()]);
+        let mut begin = 0;
+        let pieces = ends.enumerate().map(|(n, end)| {
+            let piece = format!("{n}.log");
+            scratch.write(&piece, lines[begin..end].concat());
+            begin = end;
+            piece
+        });
+        let pieces: Vec<String> = pieces.collect();
+        let pieces: Vec<&str> = pieces.iter().map(String::as_str).collect();
+        assert!(residuals(&scratch, CONFIG, &pieces, &[]) == expected, "cut at {at:?}");
+    };
+    let begins_with = |interface: &str, from: usize| {
+        from + lines[from..].iter().position(|line| line.contains(interface)).expect("it is there")
+    };
+    // The last piece begins before the clock's step back in the piece before it.
+    for order in [[" can0 ", " can1 "], [" can1 ", " can0 "]] {
+        cut(&[begins_with(order[0], 9000), begins_with(order[1], 18_000)]);
+    }
+    // In several pieces, one of few frames.
+    for _ in 0..4 {
+        let mut places: Vec<usize> = (0..3).map(|_| seeded.below(9000) as usize + 1).collect();
+        places.extend([places[0] + 1 + seeded.below(7) as usize, 17_500]);
+        places.sort_unstable();
+        places.dedup();
+        cut(&places);
+    }
+}
+
+#[test]
+fn several_files_of_each_bus_are_merged() {
+    let scratch = Scratch::new();
+    let log = simulated(&scratch, CONFIG, "both.log");
+    let expected = residuals(&scratch, CONFIG, &["both.log"], &[]);
+    for bus in ["can0", "can1"] {
+        let of: Vec<&str> = log.split_inclusive('\n').filter(|line| line.contains(bus)).collect();
+        // Not both at the same time.
+        let (ahead, behind) = of.split_at(if bus == "can0" { 4000 } else { 2500 });
+        scratch.write(&format!("{bus}-1.log"), ahead.concat());
+        scratch.write(&format!("{bus}-2.log"), behind.concat());
+    }
+    for logs in [
+        ["can0-1.log", "can0-2.log", "can1-1.log", "can1-2.log"],
+        ["can1-1.log", "can0-1.log", "can0-2.log", "can1-2.log"],
+    ] {
+        assert!(residuals(&scratch, CONFIG, &logs, &[]) == expected, "{logs:?}");
+    }
+}
+
+#[test]
 fn interfaces_of_other_names_are_mapped_to_the_buses() {
     let scratch = Scratch::new();
     let log = simulated(&scratch, CONFIG, "both.log");
