@@ -172,13 +172,14 @@ impl Replay {
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
         let read = (&inputs, &options);
+        let goes_on = monitor.newest().is_some();
         let duration =
             feed(&mut recording, threads, &mut monitor, &mut output, kept.as_mut(), read)?;
         if output.failed() {
             return broken_off(output);
         }
         let statistics = recording.statistics();
-        let judgement = judgement(&machine, &interfaces, statistics, &monitor);
+        let judgement = judgement(&machine, &interfaces, statistics, &monitor, goes_on);
         let replayed = Replayed {
             machine: &machine,
             inputs: &inputs,
@@ -348,16 +349,17 @@ struct Replayed<'a> {
     duration: Span,
 }
 
-/// Whether anything was judged.
+/// Whether anything was judged by a `monitor` that `goes_on` from another recording or began anew.
 fn judgement(
     machine: &Machine,
     interfaces: &Interfaces,
     statistics: &Statistics,
     monitor: &Monitor,
+    goes_on: bool,
 ) -> Judgement {
     let counts = monitor.counts();
     let (design, used) = (&machine.design, counts.used);
-    let recorded = RecordedFacts { statistics, interfaces, design, used };
+    let recorded = RecordedFacts { statistics, interfaces, design, used, goes_on };
     let states = machine.loaded.settings.machine.monitored_states.as_deref();
     let tallies = monitor.tallies().copied().collect::<Vec<_>>();
     Judgement::new(&recorded, counts, &tallies, states.filter(|_| !monitor.has_opened()))

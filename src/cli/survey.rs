@@ -175,7 +175,13 @@ impl Field {
         let extent = Extent::of(&mut recording, &design)?;
         let statistics = recording.statistics().clone();
         let (interfaces, used) = (&options.interfaces, extent.used);
-        let recorded = RecordedFacts { statistics: &statistics, interfaces, design: &design, used };
+        let recorded = RecordedFacts {
+            statistics: &statistics,
+            interfaces,
+            design: &design,
+            used,
+            goes_on: false,
+        };
         let nothing = recorded.nothing();
         if extent.timeline.ends().is_none() || !nothing.is_empty() {
             let reasons = nothing.join("; ");

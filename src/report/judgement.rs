@@ -18,6 +18,8 @@ pub struct RecordedFacts<'a> {
     pub design: &'a MonitorDesign,
     /// Frames with an identifier of the configuration.
     pub used: u64,
+    /// Whether the monitor went on from what it knew at the end of another recording.
+    pub goes_on: bool,
 }
 
 /// Reasons why nothing was judged; none where something was.
@@ -41,7 +43,7 @@ impl Judgement {
         }
         let mut reasons = recorded.nothing();
         if reasons.is_empty() {
-            reasons = unjudged(counts, tallies, missed);
+            reasons = unjudged(counts, tallies, missed, recorded.goes_on);
         }
         Self { reasons }
     }
@@ -102,14 +104,24 @@ fn identifiers(design: &MonitorDesign) -> String {
 }
 
 /// Why the frames that the monitor uses gave no residual.
-fn unjudged(counts: &Counts, tallies: &[Tally], missed: Option<&[String]>) -> Vec<String> {
+fn unjudged(
+    counts: &Counts,
+    tallies: &[Tally],
+    missed: Option<&[String]>,
+    goes_on: bool,
+) -> Vec<String> {
     let sum = |of: fn(&Tally) -> u64| tallies.iter().map(of).sum::<u64>();
     let (cycles, incomplete) = (sum(|tally| tally.cycles), sum(|tally| tally.incomplete));
     let implausible = sum(|tally| tally.implausible.iter().sum());
     if cycles == 0 {
+        let why = match goes_on {
+            true => {
+                "what came is of a cycle from before this recording, or is neither Sync nor a reading"
+            }
+            false => "there is neither Sync nor a reading",
+        };
         return vec![format!(
-            "none of the {} frames with an identifier of the configuration opened a cycle: there \
-             is neither Sync nor a reading",
+            "none of the {} frames with an identifier of the configuration opened a cycle: {why}",
             counts.used
         )];
     }

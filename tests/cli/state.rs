@@ -107,6 +107,23 @@ fn go_on(log: &str, options: &[&str]) -> Run {
 }
 
 #[test]
+fn a_piece_of_a_cycle_that_opened_before_it_is_said_to_be_that() {
+    let scratch = Scratch::new();
+    let whole = recorded("e-type-healthy.log.zst");
+    let part = between(&whole, 30.0, 36.1);
+    let lines: Vec<&str> = part.lines().collect();
+    let is_sync = |line: &&str| line.contains(" 080#");
+    let open = 1 + lines.iter().rposition(is_sync).expect("there are Syncs");
+    // Some readings behind the Sync and the first reading.
+    let first = scratch.write("first.log", lines[..open + 1].join("\n") + "\n");
+    let piece = scratch.write("piece.log", lines[open + 1..open + 5].join("\n") + "\n");
+    let state = scratch.path("machine.state");
+    go_on(&first, &["--state", &state]).ok();
+    let told = ["opened a cycle: what came is of a cycle from before this recording"];
+    go_on(&piece, &["--state", &state]).failed(1, &told);
+}
+
+#[test]
 fn a_state_is_refused_where_it_does_not_belong() {
     let scratch = Scratch::new();
     let whole = recorded("e-type-healthy.log.zst");
