@@ -4,6 +4,7 @@
 mod ailments;
 mod arrival_healthy;
 mod asc;
+mod bad_signals;
 mod blf;
 mod buses;
 mod candump;

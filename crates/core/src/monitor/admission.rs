@@ -62,7 +62,7 @@ impl Monitor {
         let station = &mut self.stations[place.0];
         let is_sync = station.is_sync();
         let page = &mut station.pages[place.1];
-        let count = page.count(frame);
+        let count = page.count(frame, &mut self.counts.bad_signals);
         if page.reading && !is_sync {
             let (has, kept) = (page.slot.has(self.clock.number()), page.slot.kept());
             if self.clock.could_open(frame.timestamp, has)
@@ -197,8 +197,13 @@ impl Monitor {
             let Some(newest) = self.stations[index].newest() else { continue };
             let Some(frame) = newest.take(opening, sample_time) else { continue };
             for page in 0..self.stations[index].pages.len() {
-                match self.stations[index].pages[page].is_in(&frame) {
-                    Some(true) => self.take_page((index, page), now, &frame, sink),
+                let place = &self.stations[index].pages[page];
+                match place.is_in(&frame) {
+                    Some(true) => {
+                        // Counted where it is cut off; a timer's frames are not told apart by it.
+                        place.count(&frame, &mut self.counts.bad_signals);
+                        self.take_page((index, page), now, &frame, sink);
+                    }
                     Some(false) => {}
                     None => self.counts.bad_signals += 1,
                 }

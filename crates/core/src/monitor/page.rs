@@ -276,12 +276,16 @@ impl Page {
         self.carried_with.as_ref().map_or(Some(true), |plan| plan.is_carried_by(frame))
     }
 
-    /// Value of the alive counter in `frame`.
+    /// Value of the alive counter in `frame`, which is counted in `bad` where the frame is too short for it.
     #[inline]
-    pub fn count(&self, frame: &Frame) -> Option<u64> {
+    pub fn count(&self, frame: &Frame, bad: &mut u64) -> Option<u64> {
         match self.counter.as_ref()?.decode(frame) {
             Decoded::Value(value) => Some(super::cylinder::bits(value)),
-            Decoded::Absent | Decoded::Short => None,
+            Decoded::Absent => None,
+            Decoded::Short => {
+                *bad += 1;
+                None
+            }
         }
     }
 }
