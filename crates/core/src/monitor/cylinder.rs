@@ -175,8 +175,10 @@ impl Cylinder {
             }
             Field::Velocity(transducer) => inputs.velocity(transducer, value.physical),
             Field::Status(transducer) => {
-                inputs.status(transducer, bits(value));
-                true
+                // Without a status that it should have, a reading is not known to be good.
+                let status = bits(value);
+                status.into_iter().for_each(|status| inputs.status(transducer, status));
+                status.is_some()
             }
             Field::Counter(transducer) => {
                 inputs.counted(transducer);
@@ -394,7 +396,8 @@ impl Cylinder {
     }
 }
 
-/// The raw bits of an integer signal; a float, which has none, gives its integer part.
-pub(super) fn bits(value: Value) -> u64 {
-    value.raw.as_i128().map_or(value.raw.as_f64() as u64, |raw| raw as u64)
+/// The raw bits of an integer signal; a float, which has none, gives its integer part, and `None` if it is not finite.
+pub(super) fn bits(value: Value) -> Option<u64> {
+    let float = || Some(value.raw.as_f64()).filter(|raw| raw.is_finite()).map(|raw| raw as u64);
+    value.raw.as_i128().map(|raw| raw as u64).or_else(float)
 }

@@ -56,7 +56,10 @@ impl Monitor {
                 }
             };
             match signal.destination {
-                Destination::State => gate.state(now, state_number(value)),
+                Destination::State => match state_number(value) {
+                    Some(state) => gate.state(now, state),
+                    None => counts.bad_signals += 1,
+                },
                 Destination::Inclination(which) => {
                     counts.bad_signals += tilt::put(tilt.as_deref_mut(), which, value);
                 }
@@ -85,6 +88,8 @@ fn of_bits(cylinders: &mut [Cylinder], bits: u8) -> impl Iterator<Item = &mut Cy
     cylinders.iter_mut().enumerate().filter(has).map(|(_, cylinder)| cylinder)
 }
 
-fn state_number(value: Value) -> i64 {
-    value.raw.as_i64().unwrap_or(value.raw.as_f64() as i64)
+/// The number of the platform's state, of a float its integer part; `None` if it is not finite, which is no state.
+fn state_number(value: Value) -> Option<i64> {
+    let float = || Some(value.raw.as_f64()).filter(|raw| raw.is_finite()).map(|raw| raw as i64);
+    value.raw.as_i64().or_else(float)
 }

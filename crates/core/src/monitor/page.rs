@@ -276,17 +276,17 @@ impl Page {
         self.carried_with.as_ref().map_or(Some(true), |plan| plan.is_carried_by(frame))
     }
 
-    /// Value of the alive counter in `frame`, which is counted in `bad` where the frame is too short for it.
+    /// Value of the alive counter in `frame`, which is counted in `bad` where the frame is too short for it or the value
+    /// is not finite.
     #[inline]
     pub fn count(&self, frame: &Frame, bad: &mut u64) -> Option<u64> {
-        match self.counter.as_ref()?.decode(frame) {
-            Decoded::Value(value) => Some(super::cylinder::bits(value)),
-            Decoded::Absent => None,
-            Decoded::Short => {
-                *bad += 1;
-                None
-            }
-        }
+        let count = match self.counter.as_ref()?.decode(frame) {
+            Decoded::Value(value) => super::cylinder::bits(value),
+            Decoded::Absent => return None,
+            Decoded::Short => None,
+        };
+        *bad += u64::from(count.is_none());
+        count
     }
 }
 
