@@ -47,7 +47,7 @@ fn a_sound_configuration_is_described() {
         // Table 4-1: nearly integrating, a commanded metre per second moves one.
         "model     moduli of the poles 0.99878, 0.99878, 0.87704; steady speed per commanded speed 1.002",
         "FDE1      gain of the position's innovation 1.7034, 38.1411, -255525.1",
-        "FDE3      C1 − (1 C2 +0 m)",
+        "FDE3      C1 − C2",
         "estimate  both transducers and the model; valid up to σ = 5 mm; not sent",
     ] {
         assert!(text.contains(line), "{line:?} is not in\n{text}");
@@ -57,7 +57,7 @@ fn a_sound_configuration_is_described() {
     let text = check(HANGING_LOAD).ok().stdout;
     assert!(text.contains("1 cylinder, every 0.02 s; FDE1 and FDE2 always judge"), "{text}");
     assert!(text.contains("frames    0x201 0x211"), "{text}");
-    assert!(text.contains("FDE3      C1 − (1.0031 C2 +0.0034 m)"), "{text}");
+    assert!(text.contains("FDE3      C1 − (1.0031 C2 + 3.4 mm)"), "{text}");
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn cylinders_that_are_judged_alike_are_told_once() {
     assert!(text.contains("\ncylinders 1, 2, 4–6\n  model     "), "{text}");
     let own = "\ncylinder 3\n  frames    0x183 0x193 0x1A3\n  model     ";
     assert!(text.contains(own), "{text}");
-    assert!(text.contains("  FDE3      C1 − (1.002 C2 +0 m)\n"), "{text}");
+    assert!(text.contains("  FDE3      C1 − (1.002 C2 + 0 mm)\n"), "{text}");
     assert_eq!(text.matches("  model     ").count(), 2, "{text}");
 }
 
@@ -547,7 +547,7 @@ fn readings_that_are_apart_when_they_agree() {
     let apart = changed(&config, &[("c2_offset = 0.0034", "c2_offset = 0.06")]);
     let text = check(&scratch.write("apart.toml", apart)).ok().stdout;
     assert!(
-        text.contains("comparator.critical: C1 - C2 of a healthy cylinder 1 is 0.06"),
+        text.contains("comparator.critical: C1 − C2 of a healthy cylinder 1 is 0.06"),
         "{text}"
     );
     assert!(

@@ -57,14 +57,24 @@ fn judged(machine: &Machine, n: u8) -> String {
         let gain = format!("{:.4}, {:.4}, {:.1}", l[0], l[1], l[2]);
         text += &format!("  {name}      gain of the position's innovation {gain}\n");
     }
-    text += &format!(
-        "  FDE3      C1 − ({} C2 {:+} m)\n",
-        cylinder.comparator.gain, cylinder.comparator.offset
-    );
+    let (gain, offset) = (cylinder.comparator.gain, cylinder.comparator.offset);
+    text += &format!("  FDE3      C1 − {}\n", corrected(gain, offset));
     if let Some(process) = process(machine, n) {
         text += &format!("  process   {process}\n");
     }
     text + &format!("  estimate  {}\n", estimate(settings, n))
+}
+
+/// C2 with the correction of (5-20), whose `offset` is in m: `(0.998502 C2 − 3.403 mm)`, or `C2` where nothing is
+/// corrected.
+fn corrected(gain: f64, offset: f64) -> String {
+    let gain = (gain * 1e6).round() / 1e6;
+    let micrometres = (offset * 1e6).round();
+    if gain == 1.0 && micrometres == 0.0 {
+        return "C2".to_owned();
+    }
+    let sign = if micrometres < 0.0 { '−' } else { '+' };
+    format!("({gain} C2 {sign} {} mm)", micrometres.abs() / 1e3)
 }
 
 /// What the process detector judges by; `None` where the machine reads neither spools nor pressures.
@@ -127,6 +137,14 @@ fn identifiers(n: u8, lines: &[Subscription]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_correction_of_c2_has_a_unit_and_one_kind_of_minus() {
+        let told = corrected(0.998_502_165_608_634_6, -0.003_403_062_527_381_372_6);
+        assert_eq!(told, "(0.998502 C2 − 3.403 mm)");
+        assert_eq!(corrected(1.002, 0.0), "(1.002 C2 + 0 mm)");
+        assert_eq!(corrected(1.0, 0.0), "C2");
+    }
 
     #[test]
     fn three_in_a_row_are_a_range() {

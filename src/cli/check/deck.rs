@@ -8,7 +8,8 @@ pub fn describe(machine: &Machine) -> String {
     let names =
         [&signals.top_roll, &signals.top_pitch, &signals.vessel_roll, &signals.vessel_pitch];
     let Some(tilt) = &machine.design.tilt else {
-        return "\nhexapod: reserved, as there is no attitude sensor on the deck (signals.top_roll)\n".to_owned();
+        return "\nhexapod: not used: there is no attitude sensor on the deck (signals.top_roll)\n"
+            .to_owned();
     };
     let names: Vec<&str> = names.into_iter().flatten().map(String::as_str).collect();
     let blind = machine.design.cylinders.iter().filter(|it| it.sequential.is_none());
