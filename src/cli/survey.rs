@@ -10,6 +10,7 @@ use super::replay::StampOption;
 use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, MonitorDesign};
+use crate::report;
 use crate::report::judgement::RecordedFacts;
 use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
 use crate::time::Span;
@@ -262,8 +263,8 @@ impl Surveyed {
     /// Remarks on what could not be read; empty where everything could.
     pub fn remarks(&self) -> Vec<String> {
         let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
-        let bad =
-            (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
+        let bad = (*bad_lines > 0)
+            .then(|| report::bad_lines(*bad_lines, *lines, first_bad_lines.len() as u64));
         let bad = bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string));
         let reordered = self.reordered.then(|| {
             "the recordings are read in the order of their time stamps, not in the order given"

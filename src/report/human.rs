@@ -254,7 +254,8 @@ pub(super) fn what_was_bad(summary: &Summary<'_>) -> String {
     let mut text = String::new();
     if statistics.bad_lines > 0 {
         let (bad, lines) = (statistics.bad_lines, statistics.lines);
-        _ = writeln!(text, "\n{bad} of {lines} lines were bad; the first:");
+        let listed = statistics.first_bad_lines.len() as u64;
+        _ = writeln!(text, "\n{}", wording::bad_lines(bad, lines, listed));
         for line in &statistics.first_bad_lines {
             _ = writeln!(text, "  {line}");
         }

@@ -144,6 +144,17 @@ pub fn counted(count: u64, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
+/// Introduction to the `listed` first of the lines that were bad: `1 of 257 lines was bad:`.
+pub fn bad_lines(bad: u64, lines: u64, listed: u64) -> String {
+    let were = if bad == 1 { "was" } else { "were" };
+    let first = match listed {
+        all if all >= bad => String::new(),
+        1 => "; the first".to_owned(),
+        few => format!("; the first {few}"),
+    };
+    format!("{bad} of {} {were} bad{first}:", counted(lines, "line"))
+}
+
 /// A line about the counters; empty where none jumped.
 pub fn counter_jumps(summary: &Summary<'_>) -> String {
     let jumps: u64 = summary.counter_jumps.iter().flatten().sum();
