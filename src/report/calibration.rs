@@ -8,6 +8,7 @@ use crate::config::settings::{CylinderProcess, FrictionTable};
 use crate::extremes::four_digits;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
+use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.
@@ -191,7 +192,7 @@ pub fn verdict(result: &Calibration) -> (bool, String) {
     let taught = result.cylinders.iter().filter(|it| it.sequential.is_some()).count();
     let bound = result.bound.as_ref().map_or_else(
         || "no bound of R3 is proposed".to_owned(),
-        |bound| format!("R3 may be bounded at {:.2} mm", bound.level * 1e3),
+        |bound| format!("R3 may be bounded at {:.3} mm", four_digits(bound.level) * 1e3),
     );
     let text = format!(
         "C2 is corrected on {corrected} of {all} cylinders, and the sequential detectors of {taught} are calibrated; \
@@ -203,18 +204,10 @@ pub fn verdict(result: &Calibration) -> (bool, String) {
 /// Remarks, one line each.
 pub fn remarks(result: &Calibration) -> String {
     let mut text = String::new();
-    let mut told: Vec<(&str, Vec<String>)> = Vec::new();
-    for cylinder in &result.cylinders {
-        let number = cylinder.number.to_string();
-        for remark in &cylinder.remarks {
-            match told.iter_mut().find(|(known, _)| known == remark) {
-                Some((_, numbers)) => numbers.push(number.clone()),
-                None => told.push((remark, vec![number.clone()])),
-            }
-        }
-    }
-    for (remark, numbers) in told {
-        _ = writeln!(text, "cylinder {}: {remark}", numbers.join(", "));
+    let own = result.cylinders.iter();
+    let own = own.flat_map(|it| it.remarks.iter().map(|remark| (it.number, &**remark)));
+    for line in by_cylinders(own) {
+        _ = writeln!(text, "{line}");
     }
     for cylinder in &result.cylinders {
         if let Err(refusal) = &cylinder.result {

@@ -8,6 +8,7 @@ use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::config::Fingerprints;
 use crate::evaluate::{CONFIDENCE, poisson_upper};
 use crate::extremes::four_digits;
+use crate::tables::cylinders::by_cylinders;
 use crate::tables::tuning::length;
 use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use std::fmt::Write as _;
@@ -26,7 +27,7 @@ pub fn page(result: &Commissioned, with: &Fingerprints) -> String {
             _ = write!(text, "\n{section}");
         }
     }
-    text += &listed("a longer recording would add", &wins(result));
+    text += &listed("what a longer recording would add", &wins(result));
     text += &listed("to be known", &remarks(result));
     text
 }
@@ -41,12 +42,12 @@ fn listed(head: &str, lines: &[String]) -> String {
 
 /// Recordings that were learnt from, and the configuration that they were read with.
 pub fn origin(result: &Commissioned, with: &Fingerprints) -> String {
-    let minutes = result.length / 60.0;
+    let minutes = result.recorded / 60.0;
     let tried = result.trial.as_ref().map_or(String::new(), |trial| {
         let held = trial.held / 60.0;
         format!("; the trial uses tables that were learnt without its own {held:.1} min")
     });
-    format!("learnt from all {minutes:.1} min of {} with {with}{tried}", result.inputs)
+    format!("learnt from all {minutes:.1} min recorded in {} with {with}{tried}", result.inputs)
 }
 
 /// Tables of the resulting configuration.
@@ -62,13 +63,13 @@ pub fn tables(result: &Commissioned) -> Section {
         add("model (4-1)", format!("that of cylinder {}", choice.of), of);
     }
     if let Some(bound) = taught.calibration.as_ref().and_then(|it| it.bound) {
-        let of = format!("largest |C1 − Ĉ2| seen {:.2} mm", bound.worst * 1e3);
-        add("bound of R3", format!("{:.2} mm", four_digits(bound.level) * 1e3), of);
+        let of = format!("largest |C1 − Ĉ2| seen {}", length(bound.worst));
+        add("bound of R3", length(four_digits(bound.level)), of);
     }
     if let Some(tuning) = &taught.tuning {
         let worst = tuning.detectors.iter().filter_map(|it| it.tail).map(|it| it.worst);
         let of = format!("largest |R1|, |R2| seen {}", length(worst.fold(0.0, f64::max)));
-        let (low, high) = (tuning.thresholds.low, tuning.thresholds.high);
+        let [low, high] = [tuning.thresholds.low, tuning.thresholds.high].map(four_digits);
         add("δ_l, δ_h of R1 and R2", format!("{}, {}", length(low), length(high)), of);
     }
     let cylinders = || taught.calibration.iter().flat_map(|it| &it.cylinders);
@@ -88,7 +89,7 @@ pub fn tables(result: &Commissioned) -> Section {
     let of_supply = taught.calibration.iter().any(|it| matches!(it.supply, Some(Ok(_))));
     let relations = [
         ("process, by the spool", "a valve that sticks, an offset, a late or other command"),
-        ("process, by the pressures", "a pressure sensor, the supply's sensor"),
+        ("process, by the pressures", "a pressure sensor that is off, that of the supply too"),
         ("process, by the flow", "leakage, a null that has moved"),
         ("process, by the friction", "worn or swollen seals, a bent rod"),
     ];
@@ -193,7 +194,9 @@ pub fn remarks(result: &Commissioned) -> Vec<String> {
         let own = own.flat_map(|it| it.remarks.iter().map(|remark| (it.number, remark)));
         // An old calibration is not to be had at the first time.
         let own = own.filter(|(_, remark)| !remark.contains("without an earlier calibration"));
-        own.for_each(|(number, remark)| add(format!("cylinder {number}: {remark}")));
+        by_cylinders(own.map(|(number, remark)| (number, &**remark)))
+            .into_iter()
+            .for_each(&mut add);
         calibration.remarks.iter().for_each(|it| add(it.clone()));
     }
     // What was within the level says nothing here.

@@ -27,8 +27,8 @@ pub fn section(result: &Calibration) -> Section {
         ]);
     }
     table.about(format!(
-        "where on the stroke the sequential detectors know C1 − C2 to {:.1} mm; in thin places it \
-         is known only to {:.1} mm, so that small faults take longer there; elsewhere their \
+        "where on the stroke the sequential detectors know C1 − C2 to {:.1} mm (three standard deviations) or better; in \
+         thin places they do not know it to {:.1} mm, so that small faults take longer there; elsewhere their \
         verdict is unknown; and the bend of the profile that is assumed from node to node",
         LARGEST_DOUBT * 1e3,
         DEAD_BAND * 1e3

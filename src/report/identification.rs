@@ -6,6 +6,7 @@ use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
 use crate::identify::qr::Regression;
 use crate::identify::validate::SignalScore;
+use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.
@@ -250,18 +251,10 @@ pub fn verdict(outcome: &Outcome) -> (bool, String) {
 /// Remarks, one line each.
 pub fn remarks(outcome: &Outcome) -> String {
     let mut text = String::new();
-    let mut told: Vec<(&str, Vec<u8>)> = Vec::new();
-    for cylinder in &outcome.cylinders {
-        for remark in &cylinder.remarks {
-            match told.iter_mut().find(|(known, _)| known == remark) {
-                Some((_, numbers)) => numbers.push(cylinder.number),
-                None => told.push((remark, vec![cylinder.number])),
-            }
-        }
-    }
-    for (remark, numbers) in told {
-        let numbers: Vec<String> = numbers.iter().map(u8::to_string).collect();
-        _ = writeln!(text, "cylinder {}: {remark}", numbers.join(", "));
+    let own = outcome.cylinders.iter();
+    let own = own.flat_map(|it| it.remarks.iter().map(|remark| (it.number, &**remark)));
+    for line in by_cylinders(own) {
+        _ = writeln!(text, "{line}");
     }
     for cylinder in &outcome.cylinders {
         if let Err(refusal) = &cylinder.result {

@@ -5,6 +5,7 @@ use crate::identify::flow::{FEWEST, FlowCurve, MEMBERSHIPS, NoFlow};
 use crate::identify::friction::{FrictionCurve, NoFriction};
 use crate::identify::nonlinear::Nonlinear;
 use crate::identify::valve::IdentifiedValve;
+use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
 
 /// The section of the page.
@@ -49,19 +50,13 @@ pub fn valves(nonlinear: &Nonlinear) -> Section {
 
 /// Cylinders without a valve for a plant, one line each; one for all of the same reason.
 pub fn no_valve(nonlinear: &Nonlinear) -> String {
-    let mut told: Vec<(String, Vec<String>)> = Vec::new();
-    for (number, valve) in (1..).zip(&nonlinear.valves) {
-        let Err(why) = valve else { continue };
-        let (why, number) = (why.to_string(), format!("{number}"));
-        match told.iter_mut().find(|(known, _)| *known == why) {
-            Some((_, numbers)) => numbers.push(number),
-            None => told.push((why, vec![number])),
-        }
-    }
-    let line = |(why, numbers): (String, Vec<String>)| {
-        format!("cylinder {}: no valve for a plant: {why}\n", numbers.join(", "))
-    };
-    told.into_iter().map(line).collect()
+    let without = (1..).zip(&nonlinear.valves).filter_map(|(number, valve)| {
+        let why = valve.as_ref().err()?;
+        Some((number, format!("no valve for a plant: {why}")))
+    });
+    let without: Vec<(u8, String)> = without.collect();
+    let told = by_cylinders(without.iter().map(|(number, why)| (*number, &**why)));
+    told.into_iter().map(|line| line + "\n").collect()
 }
 
 /// Definition of the flow curves, and their data.

@@ -2,8 +2,7 @@
 
 use super::sheet::{Section, Sheet};
 use crate::config::Fingerprints;
-use crate::extremes::four_digits;
-use crate::extremes::{HOURS_PER_YEAR, per_second};
+use crate::extremes::{HOURS_PER_YEAR, four_digits, per_second, times};
 use crate::tables::tuning::{length, meaning, name, sequential_meaning};
 use crate::tune::criterion::STEP;
 use crate::tune::{Score, Search, Thresholds, Tuning, Weights};
@@ -126,8 +125,8 @@ pub fn ladder(result: &Tuning) -> Section {
         table.add_row([
             format!("{rate}{mark}"),
             period(HOURS_PER_YEAR / rate),
-            length(level),
-            format!("{:.3e} times", HOURS_PER_YEAR / rate / hours),
+            length(four_digits(level)),
+            format!("{} times", times(HOURS_PER_YEAR / rate / hours)),
         ]);
     }
     table.about("the extrapolation, of all detectors together")

@@ -93,7 +93,7 @@ fn two_days_one_after_the_other_teach_what_both_together_teach() {
     let two = yard.table("config.toml");
     let run = yard.learn("commission", &[&first, &second], "both.toml", &[]).ok();
     // A day without frames is no hour that was tried, and no place for a fault.
-    assert!(run.stdout.contains("learnt from all 11.0 min of"), "{}", run.stdout);
+    assert!(run.stdout.contains("learnt from all 10.0 min recorded in"), "{}", run.stdout);
     assert!(run.stdout.contains("second-day.log with configuration "), "{}", run.stdout);
     assert!(run.stdout.contains("h after 300.0 s counts as a minute"), "{}", run.stdout);
     let both = yard.table("both.toml");

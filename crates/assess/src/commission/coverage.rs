@@ -5,7 +5,9 @@ use tertius_core::sequential::Reference;
 use tertius_core::sequential::reference::LARGEST_DOUBT;
 use tertius_core::sequential::wild::Outliers;
 use tertius_learn::calibrate::LEAST_BOUND;
-use tertius_learn::extremes::HOURS_PER_YEAR;
+use tertius_learn::extremes::{HOURS_PER_YEAR, four_digits, times};
+use tertius_learn::tables::cylinders::cylinders;
+use tertius_learn::tables::tuning::length;
 use tertius_learn::tune::LEAST_HIGH;
 
 /// Where on its stroke a cylinder has been.
@@ -59,37 +61,38 @@ impl Coverage {
     }
 }
 
-/// What a longer recording would add, one line for each point.
+/// What a longer recording would add, in sentences, one line for each point.
 pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let mut wins = places(coverage);
     wins.extend(levels(taught));
     let bound = taught.calibration.as_ref().and_then(|it| it.bound);
     wins.extend(bound.filter(|bound| bound.level > WORTH * LEAST_BOUND).map(|bound| {
         format!(
-            "R3's bound is {:.2} mm instead of the thesis's {:.1} mm because it is extrapolated to \
-             {:.0} times the evidence; with more evidence it falls, at best to 1.2 times the \
-            largest difference, {:.2} mm",
-            bound.level * 1e3,
+            "R3's bound is {} instead of the thesis's {:.1} mm because it is extrapolated to {} times the evidence. With \
+             more evidence it falls, at best to 1.2 times the largest difference, {}.",
+            length(four_digits(bound.level)),
             LEAST_BOUND * 1e3,
-            (HOURS_PER_YEAR / bound.per_year / bound.hours).ceil(),
-            1.2e3 * bound.worst
+            times(HOURS_PER_YEAR / bound.per_year / bound.hours),
+            length(1.2 * bound.worst)
         )
     }));
-    let thresholds = taught.tuning.as_ref().map(|it| it.thresholds);
+    let tuning = taught.tuning.as_ref();
+    let thresholds = tuning.map(|it| it.thresholds);
     wins.extend(thresholds.filter(|it| it.high > WORTH * LEAST_HIGH).map(|it| {
         format!(
-            "δ_h is {:.2} mm instead of the thesis's {:.0} mm because it is extrapolated to {:.0} \
-             times the evidence; with more evidence it may fall",
-            it.high * 1e3,
+            "δ_h is {} instead of the thesis's {:.0} mm because it is extrapolated to {} times the evidence. With more \
+             evidence it may fall.",
+            length(four_digits(it.high)),
             LEAST_HIGH * 1e3,
-            (HOURS_PER_YEAR / it.per_year / it.hours).ceil()
+            times(HOURS_PER_YEAR / it.per_year / it.hours)
         )
     }));
-    wins.extend(thresholds.and_then(|it| it.commands).map(|commands| {
+    let rare = tuning.and_then(|it| Some((it.settle, it.thresholds.commands?)));
+    wins.extend(rare.map(|(settle, commands)| {
         format!(
-            "commands of more than {:.3} m/s, or that change by more than {:.4} m/s from one cycle to the next, which are \
-             too rare in the recording to teach a threshold: for observer.settle after one, what both R1 and R2 show is \
-             no fault",
+            "Commands of more than {:.3} m/s, or that change by more than {:.4} m/s from one cycle to the next, are too \
+             rare in the recording to teach a threshold. For {settle} s (observer.settle) after such a command a residual \
+             that R1 and R2 both show is not taken for a fault.",
             commands.size, commands.change
         )
     }));
@@ -98,22 +101,22 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
 
 /// Where no cylinder has been; cylinders that missed the same places share a line.
 fn places(coverage: &[Coverage]) -> Vec<String> {
-    let mut alike: Vec<(String, Vec<String>)> = Vec::new();
+    let mut alike: Vec<(String, Vec<u8>)> = Vec::new();
     for one in coverage.iter().filter(|one| !one.unseen.is_empty()) {
-        let (places, number) = (one.places(), one.cylinder.to_string());
+        let (places, number) = (one.places(), one.cylinder);
         match alike.iter_mut().find(|(known, _)| *known == places) {
             Some((_, numbers)) => numbers.push(number),
             None => alike.push((places, vec![number])),
         }
     }
     let told = alike.into_iter().map(|(places, numbers)| {
-        let (which, were) = match &numbers[..] {
-            [one] => (format!("cylinder {one}"), "was"),
-            all => (format!("cylinders {}", all.join(", ")), "were"),
+        let which = cylinders(&numbers);
+        let (were, detector) = match numbers.len() {
+            1 => ("was", "its sequential detector says"),
+            _ => ("were", "their sequential detectors say"),
         };
         format!(
-            "the stroke from {places}: {which} {were} not there, or not long enough, and the sequential \
-             detector is unknown there"
+            "The stroke from {places}: {which} {were} not there, or not long enough, and {detector} unknown there."
         )
     });
     told.collect()
@@ -131,8 +134,8 @@ fn levels(taught: &Taught) -> Option<String> {
         .collect();
     (!raised.is_empty()).then(|| {
         format!(
-            "this recording requires levels above the least, {least:.1} nats ({}); a longer one \
-             would tell more",
+            "This recording requires levels above the least, {least:.1} nats ({}). A longer one shows whether they may be \
+             lower.",
             raised.join(", ")
         )
     })
@@ -161,7 +164,7 @@ mod tests {
         let told = places(&[coverage, like]);
         assert_eq!(told.len(), 1);
         assert!(
-            told[0].contains("-0.2 to 0.0 m, 0.2 to 0.3 m: cylinders 2, 5 were not there"),
+            told[0].contains("-0.2 to 0.0 m, 0.2 to 0.3 m: cylinders 2 and 5 were not there"),
             "{told:?}"
         );
     }

@@ -54,8 +54,8 @@ pub struct Task<'a> {
 pub struct Commissioned {
     pub machine: String,
     pub inputs: String,
-    /// Length of the recording, s.
-    pub length: f64,
+    /// Recorded time, s, without the pauses between recordings.
+    pub recorded: f64,
     /// Tables learnt from the whole recording: these are written.
     pub taught: Taught,
     /// Trial of tables that were learnt without the blocks held back for it; `None` where there are
@@ -110,7 +110,7 @@ impl Task<'_> {
         Ok(Commissioned {
             machine: taught.machine.clone(),
             inputs: self.origin.inputs.clone(),
-            length: self.origin.window.length(),
+            recorded: self.origin.timeline.recorded(self.origin.window),
             taught,
             trial,
             coverage,

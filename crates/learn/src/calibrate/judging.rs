@@ -1,6 +1,7 @@
 //! Whether a calibration can be used.
 
 use super::{Bound, Calibrated, Calibration, CalibrationCourse, Cuts, LARGEST_BOUND, LEAST_BOUND};
+use crate::extremes::false_alarms;
 use crate::survey::{Origin, Recording};
 
 impl Calibration {
@@ -45,13 +46,13 @@ impl Calibration {
         let most = LARGEST_BOUND * critical;
         let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };
         Err(format!(
-            "for {} false alarms a year R3 would need a bound of {:.2} mm, and above {:.2} mm, a \
+            "for {} R3 would need a bound of {:.2} mm, and above {:.2} mm, a \
              tenth of comparator.critical, it hardly warns before the machine trips. The largest |C1 - \
              C2| beyond the line is {:.2} mm; with the thesis's {:.2} mm, this recording suggests \
              about {:.0} a year (--false-alarms-per-year). Was the machine healthy? Look at C1 - \
              C2 over time \
              (`replay --residuals`)",
-            bound.per_year,
+            false_alarms(bound.per_year),
             bound.level * 1e3,
             most * 1e3,
             bound.worst * 1e3,

@@ -2,7 +2,7 @@
 //! detectors that follow.
 
 use super::{Cuts, Division, Halves};
-use crate::extremes::{Asked, Maxima, levels};
+use crate::extremes::{Asked, Maxima, false_alarms, levels};
 use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::sequential::{Design, Input, Sequential};
 use tertius_core::time::Timestamp;
@@ -166,9 +166,9 @@ impl OwnLevel {
             format!(
                 "large evidence is more frequent than in theory (its tail falls by {slope:.2} a \
                  nat, not by 1), as when readings are sometimes off for a fraction of a second: at \
-                {:.1} nats expect about {:.0} false alarms a year",
+                {:.1} nats expect about {}",
                 asked.level(),
-                asked.per_year().ceil()
+                false_alarms(asked.per_year().ceil())
             )
         })
     }

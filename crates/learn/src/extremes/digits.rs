@@ -12,9 +12,42 @@ pub fn four_digits(value: f64) -> f64 {
     text.parse().unwrap_or(value)
 }
 
+/// How many times, with three digits and without an exponent: `1.53`, `13400`.
+pub fn times(factor: f64) -> String {
+    if !(factor > 0.0 && factor.is_finite()) {
+        return factor.to_string();
+    }
+    let unit = 10_f64.powf(factor.log10().floor() - 2.0);
+    if unit >= 1.0 {
+        return format!("{:.0}", (factor / unit).round() * unit);
+    }
+    let digits = (-unit.log10()).round() as usize;
+    format!("{factor:.digits$}")
+}
+
+/// A rate of false alarms in words: `1 false alarm a year`.
+pub fn false_alarms(per_year: f64) -> String {
+    format!("{per_year} false alarm{} a year", if per_year == 1.0 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_factor_has_three_digits_and_no_exponent() {
+        for (factor, told) in [
+            (1.5272, "1.53"),
+            (13_389.4, "13400"),
+            (99.96, "100.0"),
+            (0.0421, "0.0421"),
+            (8766.0, "8770"),
+        ] {
+            assert_eq!(times(factor), told);
+        }
+        assert_eq!(false_alarms(1.0), "1 false alarm a year");
+        assert_eq!(false_alarms(0.5), "0.5 false alarms a year");
+    }
 
     #[test]
     fn thresholds_have_four_digits_and_are_rounded_up() {

@@ -12,7 +12,7 @@ mod slope;
 mod tail;
 mod thinned;
 
-pub use digits::four_digits;
+pub use digits::{false_alarms, four_digits, times};
 pub use maxima::Maxima;
 pub use pareto::Pareto;
 pub use sketch::Sketch;

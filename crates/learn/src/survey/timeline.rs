@@ -1,5 +1,6 @@
 //! The time scale of learning: the recordings' own time, with long pauses shortened.
 
+use super::Window;
 use super::ranking::{Ranking, Stretch};
 use tertius_core::frame::Frame;
 use tertius_core::time::{Span, Timestamp};
@@ -125,6 +126,15 @@ impl Timeline {
         self.ends.map_or(0.0, |(_, last)| self.seconds(last))
     }
 
+    /// Recorded time within `window`, s: without the pauses of [`PAUSE`] or more, between which nothing was recorded.
+    pub fn recorded(&self, window: Window) -> f64 {
+        let within = |stretch: &Stretch| {
+            let [from, to] = stretch.ends.map(|end| self.seconds(end));
+            (to.min(window.to) - from.max(window.from)).max(0.0)
+        };
+        self.stretches.iter().map(within).sum()
+    }
+
     /// Remarks on the pauses; empty without any.
     pub fn remarks(&self) -> Vec<String> {
         let told = self.pauses.iter().map(|Pause { from, off: [before, behind] }| {
@@ -162,6 +172,16 @@ mod tests {
         let mut timeline = Timeline::default();
         stamps.iter().for_each(|seconds| timeline.take(at(*seconds)));
         timeline
+    }
+
+    #[test]
+    fn pauses_are_no_recorded_time() {
+        let mut timeline = of(&[0]);
+        timeline.span(at(0), at(1200));
+        timeline.span(at(86_400), at(87_600));
+        assert_eq!(timeline.length(), 2460.0);
+        assert_eq!(timeline.recorded(Window::ALL), 2400.0);
+        assert_eq!(timeline.recorded(Window { from: 600.0, to: 1300.0 }), 640.0);
     }
 
     #[test]

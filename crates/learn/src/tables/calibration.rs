@@ -3,8 +3,7 @@
 use super::process;
 use super::provenance::{self, one_line};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND};
-use crate::extremes::HOURS_PER_YEAR;
-use crate::extremes::four_digits;
+use crate::extremes::{HOURS_PER_YEAR, four_digits, times};
 use std::fmt::Write as _;
 use tertius_config::settings::{Cylinder, CylinderSequential};
 
@@ -37,13 +36,16 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
             asked,
             format!(
                 "{evidence}, none of it beyond the bound: this proves at most {} a year (95 %), \
-                 and the bound is extrapolated to {:.0} times that time; {beyond}",
+                 and the bound is extrapolated to {} times that time; {beyond}",
                 four_digits(most),
-                factor
+                times(factor)
             ),
         ];
     }
-    vec![asked, format!("{evidence}; the wanted rate is {factor:.1e} times beyond it; {beyond}")]
+    vec![
+        asked,
+        format!("{evidence}; the wanted rate is {} times beyond it; {beyond}", times(factor)),
+    ]
 }
 
 /// The tables, with their origin; `None` where no cylinder has a calibration.

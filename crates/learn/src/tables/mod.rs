@@ -2,6 +2,7 @@
 //! was made from.
 
 pub mod calibration;
+pub mod cylinders;
 pub mod model;
 pub mod nonlinear;
 mod process;

@@ -2,8 +2,7 @@
 
 use super::provenance;
 use crate::calibrate::watch::Level;
-use crate::extremes::HOURS_PER_YEAR;
-use crate::extremes::four_digits;
+use crate::extremes::{HOURS_PER_YEAR, four_digits, times as factor};
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 use tertius_core::observe::commands::LearntCommands;
@@ -22,6 +21,7 @@ pub fn length(metres: f64) -> String {
 pub fn meaning(result: &Tuning) -> Vec<String> {
     let Thresholds { per_year, hours, commands, .. } = result.thresholds;
     let (count, often) = (result.detectors.len(), provenance::times(per_year));
+    let settle = result.settle;
     let mut lines = vec![
         format!(
             "high: {count} residuals together exceed it at most {often} in a year of monitoring; \
@@ -32,16 +32,16 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
          so that a warning ends soon after its fault; at most 0.75 high"
             .to_owned(),
         format!(
-            "evidence: {hours:.4} h for each residual; the wanted rate is {:.2e} times beyond it. \
+            "evidence: {hours:.4} h for each residual; the wanted rate is {} times beyond it. \
              What was not recorded (weather, load, temperature, wear) is not covered; residuals \
              that coincide count twice, as do bursts at the border of two seconds",
-            HOURS_PER_YEAR / per_year / hours
+            factor(HOURS_PER_YEAR / per_year / hours)
         ),
     ];
     lines.extend(commands.map(|commands| {
         format!(
             "command, command_change: commands of more than {:.3} m/s, or that change by more than {:.4} m/s from one cycle \
-             to the next, are too rare in the recording to teach a threshold. For observer.settle after one, R1 or R2 \
+             to the next, are too rare in the recording to teach a threshold. For {settle} s (observer.settle) after such a command, R1 or R2 \
              raises a warning only where the other shows less than half of it: an error of the model is in both",
             commands.size, commands.change
         )
@@ -55,11 +55,11 @@ pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
     vec![format!(
         "level: reached {often} a year, all cylinders together, by a tail of the largest \
          evidence of each ten seconds whose slope is one by theory, and at least 0.75 a nat; at least \
-         the largest seen, {:.2} nats, in {:.3} cylinder hours; the wanted rate is {:.1e} times beyond \
+         the largest seen, {:.2} nats, in {:.3} cylinder hours; the wanted rate is {} times beyond \
          them",
         level.worst,
         level.hours,
-        HOURS_PER_YEAR / per_year / level.hours
+        factor(HOURS_PER_YEAR / per_year / level.hours)
     )]
 }
 

@@ -99,6 +99,7 @@ impl TuningCourse<'_> {
             timeline: origin.timeline.clone(),
             window: origin.window,
             sample_time,
+            settle: settings.observer.settle,
             search,
             thresholds,
             detectors,

@@ -95,6 +95,8 @@ pub struct Tuning {
     pub window: Window,
     /// Sample time, s.
     pub sample_time: f64,
+    /// How long an observer settles, and R1 and R2 are no fault together after a rare command, s.
+    pub settle: f64,
     pub search: Search,
     pub thresholds: Thresholds,
     /// Results of every transducer that is monitored, by cylinder.

@@ -2,7 +2,7 @@
 
 use super::{Detector, LEAST_HIGH, Thresholds, Tuning};
 use crate::calibrate::watch::{Level, Sight, Watch};
-use crate::extremes::{HOURS_PER_YEAR, Tail, per_second};
+use crate::extremes::{HOURS_PER_YEAR, Tail, false_alarms, per_second};
 use tertius_config::settings::Settings;
 
 /// Largest threshold, as a part of the difference at which the machine itself trips.
@@ -35,13 +35,14 @@ impl Tuning {
             (rate / per_second(1.0)).ceil()
         };
         Err(format!(
-            "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, \
+            "for {} the threshold would be {:.1} mm, beyond {:.1} mm, \
              a tenth of comparator.critical: the observers would hardly find any fault. Record for \
             longer than \
          {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the \
          recording supports (--false-alarms-per-year): with the thesis's {:.1} mm it is about \
          {:.0} a year, with \
          {:.1} mm about {:.0}, with the largest residual seen, {:.1} mm, about {:.0}",
+            false_alarms(per_year),
             high * 1e3,
             LARGEST * critical * 1e3,
             LEAST_HIGH * 1e3,

@@ -1,0 +1,55 @@
+//! Numbers of cylinders in words.
+
+/// Cylinders of these numbers, in ascending order, three or more in a row as a range: `cylinder 3`,
+/// `cylinders 1 to 3 and 5`.
+pub fn cylinders(numbers: &[u8]) -> String {
+    let rows = numbers.chunk_by(|one, next| one + 1 == *next);
+    let told: Vec<String> = rows
+        .flat_map(|row| match row {
+            [first, _, .., last] => vec![format!("{first} to {last}")],
+            few => few.iter().map(u8::to_string).collect(),
+        })
+        .collect();
+    let noun = if numbers.len() == 1 { "cylinder" } else { "cylinders" };
+    match told.as_slice() {
+        [] => "no cylinder".to_owned(),
+        [one] => format!("{noun} {one}"),
+        [first @ .., last] => format!("{noun} {} and {last}", first.join(", ")),
+    }
+}
+
+/// Remarks on cylinders, a line for each with all the cylinders that it is of.
+pub fn by_cylinders<'a>(remarks: impl IntoIterator<Item = (u8, &'a str)>) -> Vec<String> {
+    let mut told: Vec<(&str, Vec<u8>)> = Vec::new();
+    for (number, remark) in remarks {
+        match told.iter_mut().find(|(known, _)| *known == remark) {
+            Some((_, numbers)) => numbers.push(number),
+            None => told.push((remark, vec![number])),
+        }
+    }
+    told.into_iter().map(|(remark, of)| format!("{}: {remark}", cylinders(&of))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_in_a_row_are_a_range() {
+        for (numbers, told) in [
+            (&[3][..], "cylinder 3"),
+            (&[1, 2], "cylinders 1 and 2"),
+            (&[1, 2, 3, 4, 5, 6], "cylinders 1 to 6"),
+            (&[1, 2, 3, 5, 6], "cylinders 1 to 3, 5 and 6"),
+        ] {
+            assert_eq!(cylinders(numbers), told);
+        }
+    }
+
+    #[test]
+    fn a_remark_on_several_cylinders_is_told_once() {
+        let remarks = [(1, "it is warm"), (1, "it leaks"), (2, "it is warm")];
+        let told = by_cylinders(remarks);
+        assert_eq!(told, ["cylinders 1 and 2: it is warm", "cylinder 1: it leaks"]);
+    }
+}
