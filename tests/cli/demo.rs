@@ -45,7 +45,7 @@ fn it_finds_every_fault_as_announced_and_says_so() {
         let row = row.expect("a row of the table");
         let words: Vec<&str> = row[fault.len()..].split("  ").filter(|it| !it.is_empty()).collect();
         let words: Vec<&str> = words.into_iter().map(str::trim).collect();
-        assert_eq!(words[1..], [suspect, named, "right"], "{row}");
+        assert_eq!(words[1..], [named, &format!("{suspect}, right")], "{row}");
         let after: f64 = words[0].trim_end_matches(" s").parse().expect("seconds");
         // A drift of 1 mm/s has to grow to 1.5 mm first.
         let most = if suspect == "C1 or C2" { 2.5 } else { 0.3 };

@@ -44,8 +44,17 @@ pub struct Warning {
     pub raised: bool,
     /// Residual, m; `None` where the detector has none.
     pub residual: Option<f64>,
-    /// Threshold, m; `None` where the detector has none.
-    pub threshold: Option<f64>,
+    /// Threshold; `None` where the detector has none.
+    pub threshold: Option<Limit>,
+}
+
+/// A threshold as Fd_Warning has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// m.
+    Of(f64),
+    /// Beyond the scale of its byte, which ends at this one, m.
+    Above(f64),
 }
 
 /// Reads the frames of the bus.
@@ -129,16 +138,14 @@ impl Listener {
     fn warning(&self, frame: &Frame) -> Warning {
         let own = &self.warning;
         let detector = own.name("Detector", frame);
-        // Plausibility has no residual.
-        let metres = |name| Some(own.number(name, frame)).filter(|_| detector != "plausibility");
         Warning {
             cylinder: own.number("Cylinder", frame) as i64,
             fault: own.name("Fault", frame).replace('_', " "),
             suspect: own.name("Suspect", frame),
             level: own.name("Level", frame),
             raised: own.number("Raised", frame) != 0.0,
-            residual: metres("Residual"),
-            threshold: metres("Threshold"),
+            residual: own.signal("Residual").and_then(|signal| residual(signal, frame)),
+            threshold: own.signal("Threshold").and_then(|signal| threshold(signal, frame)),
             detector,
         }
     }
@@ -157,6 +164,23 @@ impl Own {
     fn name(&self, name: &str, frame: &Frame) -> String {
         self.signal(name).map_or_else(String::new, |signal| self::name(signal, frame))
     }
+}
+
+/// The residual, m; the lowest count stands for none.
+fn residual(signal: &Signal, frame: &Frame) -> Option<f64> {
+    let value = signal.plan.decode(frame).value()?;
+    (value.raw.as_i64() != Some(i16::MIN.into())).then_some(value.physical)
+}
+
+/// The threshold: no counts stand for none, and the DBC has a name for those beyond the scale.
+fn threshold(signal: &Signal, frame: &Frame) -> Option<Limit> {
+    let value = signal.plan.decode(frame).value()?;
+    let counts = value.raw.as_i64()?;
+    Some(match signal.value_name(counts) {
+        Some(_) => Limit::Above(value.physical - signal.plan.factor()),
+        None => Limit::Of(value.physical),
+    })
+    .filter(|_| counts > 0)
 }
 
 /// Name of the signal's number in the DBC.

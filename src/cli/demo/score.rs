@@ -87,19 +87,18 @@ impl Score {
 
     /// A table of the faults, and of what was found by `at`, s.
     pub fn table(&self, at: f64) -> Vec<String> {
-        let row = |title: &str, found: &str, suspect: &str, named: &str, right: &str| {
-            let row = format!("{title:<38} {found:>7}  {suspect:<8}  {named:<11}  {right}");
-            row.trim_end().to_owned()
+        let row = |title: &str, found: &str, named: &str, suspect: &str| {
+            format!("{title:<38} {found:>7}  {named:<12}  {suspect}")
         };
-        let mut rows = vec![row("fault", "after", "suspect", "named", "")];
+        let mut rows = vec![row("fault", "after", "named", "suspect")];
         for (index, (act, outcome)) in self.programme.acts.iter().zip(&self.outcomes).enumerate() {
             rows.push(match (self.over(index, at), outcome.found) {
-                (None, _) => row(&act.title, "–", "", "", "not over"),
-                (Some(_), None) => row(&act.title, "never", "", "", "NOT FOUND"),
+                (None, _) => row(&act.title, "–", "", "not over"),
+                (Some(_), None) => row(&act.title, "never", "", "NOT FOUND"),
                 (Some(right), Some(found)) => {
-                    let (found, whom) =
-                        (format!("{found:.3} s"), wording::suspect(&outcome.suspect));
-                    row(&act.title, &found, whom, &outcome.named, verdict(right))
+                    let whom = wording::suspect(&outcome.suspect);
+                    let suspect = format!("{whom}, {}", verdict(right));
+                    row(&act.title, &format!("{found:.3} s"), &outcome.named, &suspect)
                 }
             });
         }
@@ -128,6 +127,7 @@ const fn verdict(right: bool) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use super::super::listener::Limit;
     use super::super::programme::tests::programme;
     use super::*;
 
@@ -140,7 +140,7 @@ mod tests {
             level: "yellow".to_owned(),
             raised: true,
             residual: Some(0.002),
-            threshold: Some(0.001),
+            threshold: Some(Limit::Of(0.001)),
         }
     }
 
@@ -162,7 +162,7 @@ mod tests {
         assert!(score.take(from + 0.6, &warning(3, "fde1", "c1")));
         assert!(score.take(from + 0.7, &warning(3, "plausibility", "undecided")));
         let found = row(&score, 0, until);
-        assert!(found.contains("0.500 s  C1") && found.ends_with("right"), "{found}");
+        assert!(found.contains("0.500 s  abrupt ") && found.ends_with("  C1, right"), "{found}");
         assert_eq!((score.tally(until), score.unfounded()), ([1, 1], 0));
         // What it leaves behind is no find, and no fault of its own.
         let mut late = Score::new(programme);

@@ -1,6 +1,6 @@
 //! Texts for the frames that were received.
 
-use super::listener::{Status, Warning};
+use super::listener::{Limit, Status, Warning};
 
 /// Suspect of a warning, for people.
 pub fn suspect(name: &str) -> &'static str {
@@ -13,7 +13,7 @@ pub fn suspect(name: &str) -> &'static str {
     }
 }
 
-/// A warning without its level: `FDE1 C1 of cylinder 3: abrupt, 1.84 mm (limit 1.00)`.
+/// A warning without its level: `FDE1 C1 of cylinder 3: abrupt, 1.84 mm (limit 1.00 mm)`.
 pub fn warning(warning: &Warning) -> String {
     let Warning { cylinder, detector, fault, .. } = warning;
     let detector = detector.replace("fde", "FDE");
@@ -22,8 +22,15 @@ pub fn warning(warning: &Warning) -> String {
     }
     let whom = suspect(&warning.suspect);
     let mut text = format!("{detector} {whom} of cylinder {cylinder}: {fault}");
-    if let (Some(residual), Some(threshold)) = (warning.residual, warning.threshold) {
-        text += &format!(", {:.2} mm (limit {:.2})", residual.abs() * 1e3, threshold * 1e3);
+    if let Some(residual) = warning.residual {
+        let size = residual.abs() * 1e3;
+        let digits = if size < 10.0 { 2 } else { 1 };
+        text += &format!(", {size:.digits$} mm");
+        text += &match warning.threshold {
+            Some(Limit::Of(limit)) => format!(" (limit {:.2} mm)", limit * 1e3),
+            Some(Limit::Above(limit)) => format!(" (limit above {:.1} mm)", limit * 1e3),
+            None => String::new(),
+        };
     }
     text
 }
