@@ -117,7 +117,7 @@ fn process(summary: &Summary<'_>) -> Option<String> {
 }
 
 impl Blanks {
-    /// The longest ones in words, those of several transducers at the same time together.
+    /// The longest ones in words and in the order of time, those of several transducers at the same time together.
     fn told(&self, cylinders: usize, zone: &Zone) -> Vec<String> {
         let mut groups: Vec<(Blank, Vec<(usize, Transducer)>)> = Vec::new();
         for (number, blank) in &self.blanks {
@@ -138,9 +138,11 @@ impl Blanks {
             }
         }
         groups.sort_by_key(|(blank, _)| std::cmp::Reverse(blank.until.since(blank.from)));
+        let left_out = groups.len().saturating_sub(TOLD);
+        groups.truncate(TOLD);
+        groups.sort_by_key(|(blank, _)| blank.from);
         let mut lines: Vec<String> = groups
             .iter()
-            .take(TOLD)
             .map(|(blank, who)| {
                 format!(
                     "Not judged: {} from {} to {} ({}).",
@@ -151,8 +153,8 @@ impl Blanks {
                 )
             })
             .collect();
-        if let Some(more) = groups.len().checked_sub(TOLD).filter(|more| *more > 0) {
-            lines.push(format!("Not judged {} more.", super::times(more as u64)));
+        if left_out > 0 {
+            lines.push(format!("Not judged {} more.", super::times(left_out as u64)));
         }
         lines
     }
