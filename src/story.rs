@@ -2,24 +2,18 @@
 //!
 //! Every output for people takes its words from here, so that they cannot disagree.
 
+mod evidence;
+
+pub use evidence::evidence;
+
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
-use crate::incident::{Ending, Incident, Part, Quantity};
+use crate::incident::{Ending, Incident};
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Suspect, Testimony};
+use crate::verdict::{Fault, Suspect};
 use std::cmp::Reverse;
-
-/// Time within which detectors are said to rise together.
-const TOGETHER: Span = Span::from_nanos(100_000_000);
-
-/// Detectors that compare, with their quantities and their names for people.
-const COMPARING: [(WarningPlace, Quantity, &str); 3] = [
-    (WarningPlace::Fde1, Quantity::R1, "C1's observer"),
-    (WarningPlace::Fde2, Quantity::R2, "C2's observer"),
-    (WarningPlace::Fde3, Quantity::R3, "the difference"),
-];
 
 /// Whom an incident is about, as a short cell: `C1`, `C1 or C2`.
 pub const fn suspect(suspect: Suspect) -> &'static str {
@@ -34,7 +28,7 @@ pub const fn suspect(suspect: Suspect) -> &'static str {
 /// What is wrong: `step of 1.21 mm`, `frozen reading`.
 pub fn kind(incident: &Incident) -> String {
     if let Some(gain) = incident.gain {
-        return format!("scale error of {:+.2} %", 100.0 * gain);
+        return scale_error(gain);
     }
     match (incident.fault, incident.size) {
         (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
@@ -45,14 +39,19 @@ pub fn kind(incident: &Incident) -> String {
     }
 }
 
+/// A gain of C1 that is off from that of C2.
+pub fn scale_error(gain: f64) -> String {
+    format!("scale error of {:+.2} %", 100.0 * gain)
+}
+
 /// How large a fault of the process is, where that is known.
 fn process_size(incident: &Incident) -> Option<String> {
     let finding = &incident.part(WarningPlace::Process)?.finding;
     let size = finding.evidence?.size.filter(|_| finding.fault == incident.fault)?;
     Some(match finding.fault {
-        Fault::ValveSticking => format!("within {size:.2} of the spool's unit"),
+        Fault::ValveSticking => format!("within {size:.2} in the unit of the spool's signal"),
         Fault::Leakage => format!("{:.1} mm/s at 24 bar", size * 1e3),
-        Fault::ValveOffset => format!("{size:+.2} of the spool's unit"),
+        Fault::ValveOffset => format!("{size:+.2} in the unit of the spool's signal"),
         Fault::Supply | Fault::PressureSensor | Fault::Friction => format!("{size:+.1} bar"),
         Fault::Command if size == 1.0 => "1 cycle late".to_owned(),
         Fault::Command => format!("{size:.0} cycles late"),
@@ -104,136 +103,6 @@ pub fn line(incident: &Incident) -> String {
     let separator = if worst.is_empty() { "" } else { ", " };
     let (cylinder, level, kind) = (incident.cylinder, incident.level.name(), kind(incident));
     format!("cylinder {cylinder}, {whom}, {level}: {kind}{separator}{worst}")
-}
-
-/// The evidence for the suspect, in a sentence without its full stop.
-pub fn evidence(incident: &Incident) -> String {
-    let mut clauses = facts(incident);
-    clauses.extend(risen(incident));
-    let weighed = [
-        (WarningPlace::Sequential, "the evidence of many samples"),
-        (WarningPlace::Process, "what valve, pressures and rod say of each other"),
-    ];
-    for (place, what) in weighed {
-        if let Some(part) = incident.part(place) {
-            clauses.push(sampled(incident, part, what));
-        }
-    }
-    clauses.extend(quiet(incident));
-    clauses.extend(testimony(incident));
-    let conclusion = match incident.suspect {
-        Suspect::C1 => "so it is C1",
-        Suspect::C2 => "so it is C2",
-        Suspect::Process => "so it is neither transducer",
-        Suspect::Undecided => "so which of the two it is stays open",
-    };
-    clauses.push(conclusion.to_owned());
-    clauses.join("; ")
-}
-
-/// Facts about readings, which need no comparison.
-fn facts(incident: &Incident) -> Vec<String> {
-    let places = [
-        (WarningPlace::PlausibilityOfC1, "C1"),
-        (WarningPlace::PlausibilityOfC2, "C2"),
-        (WarningPlace::PlausibilityOfCommand, "the command"),
-    ];
-    let fact = |(place, name): (WarningPlace, &str)| {
-        let part = incident.part(place)?;
-        if let Some(device) = part.finding.device {
-            return Some(format!("{name}'s device: {device}{}", again(part)));
-        }
-        let what = match part.finding.fault {
-            Fault::Frozen => "did not change while the cylinder was driven",
-            Fault::OutOfRange => "read a length that the cylinder cannot have",
-            Fault::BrokenWire => "reported that it has no signal",
-            Fault::Stale => "did not come",
-            _ => "was not plausible",
-        };
-        Some(format!("{name} {what}{}", again(part)))
-    };
-    places.into_iter().filter_map(fact).collect()
-}
-
-/// The comparing detectors that rose, those of one moment together.
-fn risen(incident: &Incident) -> Vec<String> {
-    let risen = COMPARING.iter().filter_map(|(place, _, name)| {
-        let part = incident.part(*place)?;
-        Some((part, format!("{name}{}", again(part))))
-    });
-    let mut risen: Vec<(&Part, String)> = risen.collect();
-    risen.sort_by_key(|(part, _)| part.raised);
-    let mut clauses = Vec::new();
-    let mut rest = &risen[..];
-    while let Some((first, _)) = rest.first() {
-        let later = |(part, _): &&(&Part, String)| part.raised.since(first.raised) <= TOGETHER;
-        let (group, others) = rest.split_at(rest.iter().take_while(later).count());
-        let names = listed(&group.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>());
-        let together = if group.len() > 1 { " together" } else { "" };
-        let after = first.raised.since(incident.begin);
-        let after =
-            if after <= TOGETHER { String::new() } else { format!(" {} later", span(after)) };
-        clauses.push(format!("{names} rose{together}{after}"));
-        rest = others;
-    }
-    clauses
-}
-
-/// What many samples together say.
-fn sampled(incident: &Incident, part: &Part, what: &str) -> String {
-    let mut clause = what.to_owned();
-    if let Some(evidence) = part.finding.evidence.filter(|it| it.fault >= 0.5) {
-        clause += &format!(" ({:.0} nats", evidence.fault);
-        let of_samples = evidence.by.is_none_or(|by| !by.is_of_the_rod());
-        if let Some(location) = evidence.location.filter(|_| of_samples) {
-            let whom = if location < 0.0 { "C2" } else { "C1" };
-            clause += &format!("; {:.0} for {whom}", location.abs());
-        }
-        clause += ")";
-    }
-    let after = part.raised.since(incident.begin);
-    match after <= TOGETHER {
-        true => clause + " shows it",
-        false => format!("{clause} shows it {} later", span(after)),
-    }
-}
-
-/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet.
-fn testimony(incident: &Incident) -> Option<String> {
-    let finding = incident.part(WarningPlace::Sequential)?.finding;
-    let evidence = finding.evidence.filter(|_| finding.suspect == incident.suspect)?;
-    let what = match evidence.by? {
-        Testimony::Flow => "the oil that passed the valve",
-        Testimony::Attitude => "the attitude of the deck",
-        Testimony::Innovations | Testimony::Stop => return None,
-    };
-    let nats = evidence.location.map_or(String::new(), |it| format!(" ({:.0} nats)", it.abs()));
-    let [moved, other] = match incident.suspect {
-        Suspect::C1 => ["C1", "C2"],
-        Suspect::C2 => ["C2", "C1"],
-        Suspect::Undecided | Suspect::Process => return None,
-    };
-    Some(format!("{what} agrees with {other} and not with {moved}{nats}"))
-}
-
-/// The observers that did not rise, and whether they judged at all.
-fn quiet(incident: &Incident) -> Vec<String> {
-    let quiet = |(place, quantity, name): &(WarningPlace, Quantity, &str)| {
-        if incident.part(*place).is_some() {
-            return None;
-        }
-        Some(match incident.peaks[*quantity as usize] {
-            Some(peak) => {
-                let (size, limit) = (peak.value.abs(), incident.limits[*quantity as usize]);
-                // Its warning is another incident's.
-                let is_other = size > limit;
-                let how = if is_other { "stands for another fault" } else { "stayed quiet" };
-                format!("{name} {how} ({} of {})", millimetres(size), millimetres(limit))
-            }
-            None => format!("{name} was not judged"),
-        })
-    };
-    COMPARING.iter().filter_map(quiet).collect()
 }
 
 /// What a person should do.
@@ -354,22 +223,6 @@ pub fn detectors(incident: &Incident) -> Vec<Detector> {
         parts.filter(|(_, part)| part.is_some()).map(|(detector, _)| detector).collect();
     risen.dedup();
     risen
-}
-
-fn again(part: &Part) -> String {
-    match part.raises {
-        1 => String::new(),
-        2 => " (twice)".to_owned(),
-        raises => format!(" ({raises} times)"),
-    }
-}
-
-fn listed(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
 }
 
 /// Two decimals below 10 mm, one beyond.

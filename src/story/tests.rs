@@ -52,7 +52,7 @@ fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
     let end = "C2's observer stayed quiet (0.20 mm of 1.00 mm); the difference stayed quiet (1.10 mm of 1.50 mm); the \
                oil that passed the valve agrees with C2 and not with C1 (9 nats); so it is C1";
     assert!(by_flow.ends_with(end), "{by_flow}");
-    assert!(by_flow.contains("the evidence of many samples (31 nats) shows it"), "{by_flow}");
+    assert!(by_flow.contains("the evidence of many samples (31 nats) showed it"), "{by_flow}");
     let by_deck = evidence(&told(Suspect::C2, Testimony::Attitude));
     let end = "the attitude of the deck agrees with C1 and not with C2 (9 nats); so it is C2";
     assert!(by_deck.ends_with(end), "{by_deck}");
@@ -61,6 +61,47 @@ fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
 #[test]
 fn what_the_samples_themselves_say_stays_with_them() {
     let told = evidence(&told(Suspect::C1, Testimony::Innovations));
-    assert!(told.contains("the evidence of many samples (31 nats; 9 for C1) shows it"), "{told}");
+    assert!(told.contains("the evidence of many samples (31 nats; 9 for C1) showed it"), "{told}");
     assert!(told.ends_with("(1.10 mm of 1.50 mm); so it is C1"), "{told}");
+}
+
+/// The incident of warnings that each come at their own time.
+fn of(warnings: &[(f64, WarningPlace, Finding)]) -> Incident {
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut newest = None;
+    for (seconds, place, finding) in warnings {
+        incidents.take(&Warning {
+            timestamp: at(*seconds),
+            cylinder: 1,
+            detector: crate::alarm::detector::DETECTORS[*place as usize],
+            place: *place as usize,
+            state: State::Raised,
+            finding: *finding,
+        });
+        let loud = [Some(2e-3), Some(2e-3), Some(2e-3), None];
+        incidents.follow(0, [at(*seconds); 2], &loud, |it| newest = Some(*it));
+    }
+    newest.expect("it was told")
+}
+
+#[test]
+fn what_spoke_up_is_told_in_the_order_of_time() {
+    let of_samples = finding(Suspect::C1, None);
+    let compared = Finding { evidence: None, suspect: Suspect::C1, ..of_samples };
+    let (fde1, fde2, fde3) = (WarningPlace::Fde1, WarningPlace::Fde2, WarningPlace::Fde3);
+    let sequential = WarningPlace::Sequential;
+    let samples_first =
+        of(&[(1.0, sequential, of_samples), (2.1, fde3, compared), (50.0, fde2, compared)]);
+    let told = "the evidence of many samples (31 nats) showed it first; after 1.1 s the difference rose; after 49.0 s \
+                C2's observer rose; ";
+    assert!(evidence(&samples_first).starts_with(told), "{}", evidence(&samples_first));
+    let samples_between =
+        of(&[(1.0, fde1, compared), (1.8, sequential, of_samples), (11.6, fde3, compared)]);
+    let told = "C1's observer rose; after 800 ms the evidence of many samples (31 nats) showed it; after 10.6 s the \
+                difference rose; ";
+    assert!(evidence(&samples_between).starts_with(told), "{}", evidence(&samples_between));
+    let frozen = Finding { fault: Fault::Frozen, ..compared };
+    let found_late = of(&[(1.0, fde1, compared), (2.0, WarningPlace::PlausibilityOfC1, frozen)]);
+    let told = "C1's observer rose; after 1.0 s it was found that C1 did not change while the cylinder was driven; ";
+    assert!(evidence(&found_late).starts_with(told), "{}", evidence(&found_late));
 }

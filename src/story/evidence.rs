@@ -1,0 +1,196 @@
+//! Why an incident is what it is: what spoke up, in the order of time, and what stayed quiet.
+
+use super::{millimetres, span};
+use crate::alarm::detector::WarningPlace;
+use crate::incident::{Incident, Part, Quantity};
+use crate::time::{Span, Timestamp};
+use crate::verdict::{Fault, Suspect, Testimony};
+
+/// Time within which detectors are said to rise together.
+const TOGETHER: Span = Span::from_nanos(100_000_000);
+
+/// Detectors that compare, with their quantities and their names for people.
+const COMPARING: [(WarningPlace, Quantity, &str); 3] = [
+    (WarningPlace::Fde1, Quantity::R1, "C1's observer"),
+    (WarningPlace::Fde2, Quantity::R2, "C2's observer"),
+    (WarningPlace::Fde3, Quantity::R3, "the difference"),
+];
+
+/// The evidence for the suspect, in a sentence without its full stop: what spoke up, in the order of time, then what
+/// stayed quiet.
+pub fn evidence(incident: &Incident) -> String {
+    let mut clauses = in_time(observed(incident));
+    clauses.extend(quiet(incident));
+    clauses.extend(testimony(incident));
+    let conclusion = match incident.suspect {
+        Suspect::C1 => "so it is C1",
+        Suspect::C2 => "so it is C2",
+        Suspect::Process => "so it is neither transducer",
+        Suspect::Undecided => "so which of the two it is stays open",
+    };
+    clauses.push(conclusion.to_owned());
+    clauses.join("; ")
+}
+
+/// Something that spoke up.
+struct Observation {
+    at: Timestamp,
+    clause: String,
+    /// Clause where others come later.
+    first: String,
+    /// Clause where others came before.
+    later: String,
+}
+
+impl Observation {
+    fn new(at: Timestamp, clause: String) -> Self {
+        Self { at, first: clause.clone(), later: clause.clone(), clause }
+    }
+}
+
+/// Everything that spoke up, as it came.
+fn observed(incident: &Incident) -> Vec<Observation> {
+    let mut observed = facts(incident);
+    observed.extend(risen(incident));
+    let weighed = [
+        (WarningPlace::Sequential, "the evidence of many samples"),
+        (WarningPlace::Process, "what valve, pressures and rod say of each other"),
+    ];
+    for (place, what) in weighed {
+        observed.extend(incident.part(place).map(|part| sampled(part, what)));
+    }
+    observed.sort_by_key(|it| it.at);
+    observed
+}
+
+/// Clauses in the order of time: the time of a later one counts from the first.
+fn in_time(observed: Vec<Observation>) -> Vec<String> {
+    let Some(begin) = observed.first().map(|it| it.at) else { return Vec::new() };
+    let is_later = |it: &Observation| it.at.since(begin) > TOGETHER;
+    let is_first = observed.get(1).is_some_and(is_later);
+    let clause = |(place, it): (usize, Observation)| match place {
+        0 if is_first => it.first,
+        _ if is_later(&it) => format!("after {} {}", span(it.at.since(begin)), it.later),
+        _ => it.clause,
+    };
+    observed.into_iter().enumerate().map(clause).collect()
+}
+
+/// Facts about readings, which need no comparison.
+fn facts(incident: &Incident) -> Vec<Observation> {
+    let places = [
+        (WarningPlace::PlausibilityOfC1, "C1"),
+        (WarningPlace::PlausibilityOfC2, "C2"),
+        (WarningPlace::PlausibilityOfCommand, "the command"),
+    ];
+    let fact = |(place, name): (WarningPlace, &str)| {
+        let part = incident.part(place)?;
+        if let Some(device) = part.finding.device {
+            let clause = format!("{name}'s device: {device}{}", again(part));
+            return Some(Observation::new(part.raised, clause));
+        }
+        let what = match part.finding.fault {
+            Fault::Frozen => "did not change while the cylinder was driven",
+            Fault::OutOfRange => "read a length that the cylinder cannot have",
+            Fault::BrokenWire => "reported that it has no signal",
+            Fault::Stale => "did not come",
+            _ => "was not plausible",
+        };
+        let clause = format!("{name} {what}{}", again(part));
+        let later = format!("it was found that {clause}");
+        Some(Observation { later, ..Observation::new(part.raised, clause) })
+    };
+    places.into_iter().filter_map(fact).collect()
+}
+
+/// The comparing detectors that rose, those of one moment together.
+fn risen(incident: &Incident) -> Vec<Observation> {
+    let risen = COMPARING.iter().filter_map(|(place, _, name)| {
+        let part = incident.part(*place)?;
+        Some((part, format!("{name}{}", again(part))))
+    });
+    let mut risen: Vec<(&Part, String)> = risen.collect();
+    risen.sort_by_key(|(part, _)| part.raised);
+    let mut observed = Vec::new();
+    let mut rest = &risen[..];
+    while let Some((first, _)) = rest.first() {
+        let at_once = |(part, _): &&(&Part, String)| part.raised.since(first.raised) <= TOGETHER;
+        let (group, others) = rest.split_at(rest.iter().take_while(at_once).count());
+        let names = listed(&group.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>());
+        let together = if group.len() > 1 { " together" } else { "" };
+        observed.push(Observation::new(first.raised, format!("{names} rose{together}")));
+        rest = others;
+    }
+    observed
+}
+
+/// What many samples together say.
+fn sampled(part: &Part, what: &str) -> Observation {
+    let mut clause = what.to_owned();
+    if let Some(evidence) = part.finding.evidence.filter(|it| it.fault >= 0.5) {
+        clause += &format!(" ({:.0} nats", evidence.fault);
+        let of_samples = evidence.by.is_none_or(|by| !by.is_of_the_rod());
+        if let Some(location) = evidence.location.filter(|_| of_samples) {
+            let whom = if location < 0.0 { "C2" } else { "C1" };
+            clause += &format!("; {:.0} for {whom}", location.abs());
+        }
+        clause += ")";
+    }
+    clause += " showed it";
+    let first = format!("{clause} first");
+    Observation { first, ..Observation::new(part.raised, clause) }
+}
+
+/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet.
+fn testimony(incident: &Incident) -> Option<String> {
+    let finding = incident.part(WarningPlace::Sequential)?.finding;
+    let evidence = finding.evidence.filter(|_| finding.suspect == incident.suspect)?;
+    let what = match evidence.by? {
+        Testimony::Flow => "the oil that passed the valve",
+        Testimony::Attitude => "the attitude of the deck",
+        Testimony::Innovations | Testimony::Stop => return None,
+    };
+    let nats = evidence.location.map_or(String::new(), |it| format!(" ({:.0} nats)", it.abs()));
+    let [moved, other] = match incident.suspect {
+        Suspect::C1 => ["C1", "C2"],
+        Suspect::C2 => ["C2", "C1"],
+        Suspect::Undecided | Suspect::Process => return None,
+    };
+    Some(format!("{what} agrees with {other} and not with {moved}{nats}"))
+}
+
+/// The observers that did not rise, and whether they judged at all.
+fn quiet(incident: &Incident) -> Vec<String> {
+    let quiet = |(place, quantity, name): &(WarningPlace, Quantity, &str)| {
+        if incident.part(*place).is_some() {
+            return None;
+        }
+        Some(match incident.peaks[*quantity as usize] {
+            Some(peak) => {
+                let (size, limit) = (peak.value.abs(), incident.limits[*quantity as usize]);
+                // Its warning is another incident's.
+                let is_other = size > limit;
+                let how = if is_other { "stands for another fault" } else { "stayed quiet" };
+                format!("{name} {how} ({} of {})", millimetres(size), millimetres(limit))
+            }
+            None => format!("{name} was not judged"),
+        })
+    };
+    COMPARING.iter().filter_map(quiet).collect()
+}
+
+fn again(part: &Part) -> String {
+    match part.raises {
+        1 => String::new(),
+        2 => " (twice)".to_owned(),
+        raises => format!(" ({raises} times)"),
+    }
+}
+
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
