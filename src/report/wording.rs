@@ -3,13 +3,13 @@
 use super::jsonl::restart_name;
 use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
+use crate::alarm::detector::Basis;
 use crate::incident::Incident;
 use crate::monitor::Notice;
 use crate::process::detector;
 use crate::sequential::Unknown;
 use crate::story;
 use crate::time::Timestamp;
-use crate::verdict::Suspect;
 
 pub const CYLINDER_COLUMNS: [&str; 8] =
     ["cylinder", "gated", "missing", "rejected", "worst R1", "worst R2", "worst R3", "incidents"];
@@ -186,11 +186,11 @@ pub fn warnings(summary: &Summary<'_>) -> String {
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
 pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     let finding = &episode.finding;
-    let first_fault = spaced(episode.first_fault.name());
+    let first_fault = story::fault(episode.first_fault);
     let fault = match finding.gain() {
-        Some(gain) => format!("{first_fault} → scale {:+.2} %", 100.0 * gain),
-        None if episode.first_fault == finding.fault => first_fault,
-        None => format!("{first_fault} → {}", spaced(finding.fault.name())),
+        Some(gain) => format!("{first_fault} → {}", story::scale_error(gain)),
+        None if episode.first_fault == finding.fault => first_fault.to_owned(),
+        None => format!("{first_fault} → {}", story::fault(finding.fault)),
     };
     let fault = match finding.device {
         Some(device) => format!("{fault}: {device}"),
@@ -207,12 +207,30 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
         episode.cylinder.to_string(),
         episode.detector.label().to_owned(),
         fault,
-        suspect(finding.suspect).to_owned(),
+        story::suspect(finding.suspect).to_owned(),
         finding.level.name().to_owned(),
         millimetres(finding.residual),
         millimetres(finding.threshold),
         lasted,
     ]
+}
+
+/// An episode in a line: `1:00.060: step (FDE1): C1, yellow, 1.21 mm of 1.00 mm, for 6.02 s`.
+pub fn episode_line(first: Timestamp, episode: &Episode) -> String {
+    let [at, _, _, detector, fault, _, level, residual, limit, lasted] =
+        episode_row(first, episode);
+    let whom = story::whom(episode.finding.suspect);
+    let detector = match episode.detector.basis() {
+        Basis::Residual(_) | Basis::Readings => detector,
+        Basis::Samples | Basis::Lengths => format!("{detector} detector"),
+    };
+    let size = match (episode.finding.residual, episode.finding.threshold) {
+        (Some(_), Some(_)) => format!(", {residual} of {limit}"),
+        (Some(_), None) => format!(", {residual}"),
+        (None, _) => String::new(),
+    };
+    let standing = if episode.cleared.is_some() { "for " } else { "" };
+    format!("{at}: {fault} ({detector}): {whom}, {level}{size}, {standing}{lasted}")
 }
 
 /// Time and text of a notice.
@@ -253,14 +271,6 @@ pub fn capitalised(text: &str) -> String {
     rest.next().map_or(String::new(), |first| {
         std::iter::once(first.to_ascii_uppercase()).chain(rest).collect()
     })
-}
-
-fn suspect(suspect: Suspect) -> &'static str {
-    match suspect {
-        Suspect::C1 => "C1",
-        Suspect::C2 => "C2",
-        other => other.name(),
-    }
 }
 
 fn spaced(name: &str) -> String {

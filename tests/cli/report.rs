@@ -142,7 +142,7 @@ fn zooms_have_the_bounds_of_their_detectors() {
     let mut seen = [0; 3];
     for zoom in zooms {
         let warned =
-            |name: &str| zoom.notes.iter().any(|note| note.contains(&format!(": {name},")));
+            |name: &str| zoom.notes.iter().any(|note| note.contains(&format!(" ({name}): ")));
         let residuals: Vec<f64> = [("FDE1", 1.0), ("FDE2", 1.0), ("FDE3", 1.5)]
             .into_iter()
             .enumerate()

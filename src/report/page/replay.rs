@@ -221,14 +221,7 @@ fn zoom_caption(zoom: &Zoom, heading: &Heading<'_>, summary: &Summary<'_>) -> St
     for (order, t) in &zoom.warnings {
         caption += &match summary.episodes.kept().get(*order) {
             Some(episode) => {
-                let [at, _, _, detector, fault, suspect, level, residual, limit, lasted] =
-                    wording::episode_row(heading.zone.first(), episode);
-                let size = match episode.finding.residual {
-                    Some(_) => format!(", {residual} of {limit}"),
-                    None => String::new(),
-                };
-                let standing = if episode.cleared.is_some() { "for " } else { "" };
-                format!("\n{at}: {detector}, {fault}, {suspect}, {level}{size}, {standing}{lasted}")
+                format!("\n{}", wording::episode_line(heading.zone.first(), episode))
             }
             None => format!("\n{}: one more", wording::clock(*t)),
         };
