@@ -36,6 +36,18 @@ impl Raw {
             Self::Float(raw) => raw,
         }
     }
+
+    /// The bits of an integer; of a float, which has none, those of its integer part; `None` if it is not finite.
+    pub fn bits(self) -> Option<u64> {
+        let float = || Some(self.as_f64()).filter(|raw| raw.is_finite()).map(|raw| raw as u64);
+        self.as_i128().map(|raw| raw as u64).or_else(float)
+    }
+
+    /// The number of an integer that fits; of a float its integer part; `None` if it is not finite.
+    pub fn number(self) -> Option<i64> {
+        let float = || Some(self.as_f64()).filter(|raw| raw.is_finite()).map(|raw| raw as i64);
+        self.as_i64().or_else(float)
+    }
 }
 
 /// A signal's value in one frame.

@@ -176,7 +176,7 @@ impl Cylinder {
             Field::Velocity(transducer) => inputs.velocity(transducer, value.physical),
             Field::Status(transducer) => {
                 // Without a status that it should have, a reading is not known to be good.
-                let status = bits(value);
+                let status = value.raw.bits();
                 status.into_iter().for_each(|status| inputs.status(transducer, status));
                 status.is_some()
             }
@@ -394,10 +394,4 @@ impl Cylinder {
         let report = self.report(DeviceRole::Valve as usize);
         self.implausible[2].judge(at, Checked { quality, beyond: 0.0, report });
     }
-}
-
-/// The raw bits of an integer signal; a float, which has none, gives its integer part, and `None` if it is not finite.
-pub(super) fn bits(value: Value) -> Option<u64> {
-    let float = || Some(value.raw.as_f64()).filter(|raw| raw.is_finite()).map(|raw| raw as u64);
-    value.raw.as_i128().map(|raw| raw as u64).or_else(float)
 }

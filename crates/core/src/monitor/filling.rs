@@ -4,7 +4,7 @@ use super::cylinder::Cylinder;
 use super::page::Destination;
 use super::sink::Sink;
 use super::{Monitor, Place, tilt};
-use crate::decode::{Decoded, Value};
+use crate::decode::Decoded;
 use crate::frame::Frame;
 use crate::sample::{Field, Pressure};
 use crate::time::Timestamp;
@@ -56,7 +56,7 @@ impl Monitor {
                 }
             };
             match signal.destination {
-                Destination::State => match state_number(value) {
+                Destination::State => match value.raw.number() {
                     Some(state) => gate.state(now, state),
                     None => counts.bad_signals += 1,
                 },
@@ -86,10 +86,4 @@ impl Monitor {
 fn of_bits(cylinders: &mut [Cylinder], bits: u8) -> impl Iterator<Item = &mut Cylinder> {
     let has = move |(index, _): &(usize, &mut Cylinder)| bits >> index & 1 != 0;
     cylinders.iter_mut().enumerate().filter(has).map(|(_, cylinder)| cylinder)
-}
-
-/// The number of the platform's state, of a float its integer part; `None` if it is not finite, which is no state.
-fn state_number(value: Value) -> Option<i64> {
-    let float = || Some(value.raw.as_f64()).filter(|raw| raw.is_finite()).map(|raw| raw as i64);
-    value.raw.as_i64().or_else(float)
 }

@@ -281,7 +281,7 @@ impl Page {
     #[inline]
     pub fn count(&self, frame: &Frame, bad: &mut u64) -> Option<u64> {
         let count = match self.counter.as_ref()?.decode(frame) {
-            Decoded::Value(value) => super::cylinder::bits(value),
+            Decoded::Value(value) => value.raw.bits(),
             Decoded::Absent => return None,
             Decoded::Short => None,
         };
