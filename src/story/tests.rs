@@ -68,7 +68,7 @@ fn what_the_samples_themselves_say_stays_with_them() {
 /// The incident of warnings that each come at their own time.
 fn of(warnings: &[(f64, WarningPlace, Finding)]) -> Incident {
     let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
-    let mut newest = None;
+    let mut end = at(0.0);
     for (seconds, place, finding) in warnings {
         incidents.take(&Warning {
             timestamp: at(*seconds),
@@ -79,9 +79,12 @@ fn of(warnings: &[(f64, WarningPlace, Finding)]) -> Incident {
             finding: *finding,
         });
         let loud = [Some(2e-3), Some(2e-3), Some(2e-3), None];
-        incidents.follow(0, [at(*seconds); 2], &loud, |it| newest = Some(*it));
+        end = at(*seconds);
+        incidents.follow(0, [end; 2], &loud, |_| {});
     }
-    newest.expect("it was told")
+    let mut standing = None;
+    incidents.finish(end, |it| standing = Some(*it));
+    standing.expect("it stands")
 }
 
 #[test]

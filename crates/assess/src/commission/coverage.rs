@@ -69,11 +69,11 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     wins.extend(bound.filter(|bound| bound.level > WORTH * LEAST_BOUND).map(|bound| {
         format!(
             "R3's bound is {} instead of the thesis's {:.1} mm because it is extrapolated to {} times the evidence. With \
-             more evidence it falls, at best to 1.2 times the largest difference, {}.",
+             more evidence it falls, at best to {}: 1.2 times the largest difference, and no less than the thesis's.",
             length(four_digits(bound.level)),
             LEAST_BOUND * 1e3,
             times(HOURS_PER_YEAR / bound.per_year / bound.hours),
-            length(1.2 * bound.worst)
+            length((1.2 * bound.worst).max(LEAST_BOUND))
         )
     }));
     let tuning = taught.tuning.as_ref();

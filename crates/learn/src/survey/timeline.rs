@@ -141,7 +141,7 @@ impl Timeline {
             let taken = behind.as_nanos() - before.as_nanos();
             let last = from.after(Span::from_nanos(-LONGEST / 2 - before.as_nanos()));
             format!(
-                "the pause of {:.1} h after {:.1} s counts as a minute in all times given here",
+                "the pause of {:.1} h after {:.1} s counts as a minute in times since the first frame",
                 Span::from_nanos(taken + LONGEST).as_seconds() / 3600.0,
                 last.since(self.first()).as_seconds()
             )
