@@ -64,13 +64,10 @@ struct Feeding<'a> {
 impl FrameTaker for Feeding<'_> {
     #[inline(always)]
     fn take(&mut self, frame: &Frame) -> ControlFlow<()> {
-        let before = std::mem::replace(&mut self.last, frame.timestamp);
-        if self.begun && self.last.since(before) < STEP_BACK {
-            self.failure = self.later.refuse(self.last, before).err();
-            if self.failure.is_some() {
-                return ControlFlow::Break(());
-            }
+        if frame.timestamp < self.last && self.begins_again(frame.timestamp) {
+            return ControlFlow::Break(());
         }
+        self.last = frame.timestamp;
         if !self.begun {
             let begun = begin(self.last, self.monitor, self.output, self.kept.as_deref_mut());
             self.failure = begun.err();
@@ -89,6 +86,17 @@ impl FrameTaker for Feeding<'_> {
         }
         self.bar.show(progress);
         ControlFlow::Continue(())
+    }
+}
+
+impl Feeding<'_> {
+    /// Whether a recording begins at `stamp`, before the newest frame, and therefore within those before it.
+    #[cold]
+    fn begins_again(&mut self, stamp: Timestamp) -> bool {
+        if self.begun && stamp.since(self.last) < STEP_BACK {
+            self.failure = self.later.refuse(stamp, self.last).err();
+        }
+        self.failure.is_some()
     }
 }
 

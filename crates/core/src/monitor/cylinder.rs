@@ -222,7 +222,6 @@ impl Cylinder {
         let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
         let moment = Moment {
             live: true,
-            refused: false,
             push: self.push.filter(|_| now.gate == Opening::Open),
             other: None,
         };
@@ -286,9 +285,7 @@ impl Cylinder {
             return Followed::default();
         }
         let other = self.relied_on(1 - I, readings);
-        let live = now.heard.has(self.design.buses[I]);
-        let refused = self.inputs.is_refused(TRANSDUCERS[I]);
-        let moment = Moment { live, refused, other, ..moment };
+        let moment = Moment { live: now.heard.has(self.design.buses[I]), other, ..moment };
         let reading = readings[I].as_ref();
         let is_good = self.check(I, reading, moment, now.at);
         let good = reading
@@ -335,6 +332,10 @@ impl Cylinder {
         mut quality: Quality,
         at: Timestamp,
     ) -> Quality {
+        let is_absent = matches!(quality, Quality::Missing | Quality::Stale);
+        if is_absent && self.inputs.is_refused(TRANSDUCERS[i]) {
+            quality = self.plausibility[i].spare();
+        }
         if quality == Quality::Frozen && self.may_be_at_rest(i) {
             quality = self.plausibility[i].take_for_rest();
         }

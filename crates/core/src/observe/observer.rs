@@ -115,14 +115,14 @@ pub struct Observer {
     /// Number of cycles until the innovations are whole again, see [`Innovation::whole`].
     recovering: u32,
     recovery: u32,
-    /// Number of innovations in a row that were not whole.
-    broken: u32,
+    /// [`Self::followed`] at the newest whole innovation, where the newest one is not whole.
+    torn: u32,
     running: bool,
     stopped_by: Option<Restart>,
 }
 
 state! {
-    Observer { x, u, followed, coasted, recovering, broken, running, stopped_by }
+    Observer { x, u, followed, coasted, recovering, torn, running, stopped_by }
     but { design, recovery }
     sound |it| it.coasted <= it.design.max_gap.saturating_add(1)
 }
@@ -132,7 +132,7 @@ impl Observer {
         Self {
             recovery: design.recovery(),
             recovering: 0,
-            broken: 0,
+            torn: 0,
             design,
             x: [0.0; 3],
             u: 0.0,
@@ -165,8 +165,22 @@ impl Observer {
             }
             (None, false) => (None, None),
         };
-        self.recovering = if lost { self.recovery } else { self.recovering.saturating_sub(1) };
+        if lost {
+            self.lose();
+        } else {
+            self.recovering = self.recovering.saturating_sub(1);
+        }
         stepped
+    }
+
+    /// Takes that the measurement or the command of a cycle was missing.
+    #[cold]
+    #[inline(never)]
+    const fn lose(&mut self) {
+        if self.recovering == 0 {
+            self.torn = self.followed;
+        }
+        self.recovering = self.recovery;
     }
 
     /// Number of readings that it has followed since it started.
@@ -186,7 +200,7 @@ impl Observer {
     fn start(&mut self, y: Measurement) -> Innovation {
         self.x = [y.position, y.velocity.unwrap_or(0.0), 0.0];
         self.running = true;
-        self.followed = 0;
+        (self.followed, self.torn) = (0, 0);
         self.follow(y)
     }
 
@@ -196,12 +210,17 @@ impl Observer {
         let residual = y.position - estimate;
         let velocity = y.velocity.map_or(0.0, |velocity| velocity - self.x[1]);
         let whole = self.recovering == 0;
-        self.broken = if whole { 0 } else { self.broken.saturating_add(1) };
-        let settled = self.followed >= self.design.settle && self.broken <= self.design.max_gap;
+        let settled = (whole || self.was_whole_lately()) && self.followed >= self.design.settle;
         self.followed = self.followed.saturating_add(1);
         self.coasted = 0;
         self.predict([residual, velocity]);
         Innovation { estimate, residual, settled, whole }
+    }
+
+    /// Whether an innovation was whole not longer ago than it predicts over a gap.
+    #[cold]
+    const fn was_whole_lately(&self) -> bool {
+        self.followed.saturating_sub(self.torn) < self.design.max_gap
     }
 
     #[cold]

@@ -70,8 +70,6 @@ pub struct Moment {
     /// Whether anything of the machine was on the bus in this cycle. In silence nothing ages: a
     /// quiet bus is not the fault of a transducer.
     pub live: bool,
-    /// Whether a frame of this reading came, for another cycle: it is not missing, but late, or early.
-    pub refused: bool,
     /// Direction in which the command since the last cycle moves the cylinder, in a platform state
     /// in which it follows; `None` if it does not move it.
     pub push: Option<Push>,
@@ -199,7 +197,7 @@ impl Plausibility {
     /// Judges what arrived in the cycle of `moment`.
     pub fn judge(&mut self, reading: Option<&Reading>, moment: Moment) -> Quality {
         self.quality = match reading {
-            None => self.without_reading(moment),
+            None => self.without_reading(moment.live),
             Some(reading) => {
                 self.absence = Absence::default();
                 self.follow(reading.position, moment);
@@ -258,19 +256,31 @@ impl Plausibility {
         self.quality
     }
 
+    /// Takes that a frame of the reading which the judged cycle lacks came for another one: it is not missing, but late, or
+    /// early.
+    pub fn spare(&mut self) -> Quality {
+        let Absence { missing, spared } = &mut self.absence;
+        if *missing > 0 && *spared < SPARED {
+            (*missing, *spared) = (*missing - 1, *spared + 1);
+            self.quality = self.of_none();
+        }
+        self.quality
+    }
+
     /// Number of cycles without a new reading: with none, or with the same.
     pub fn idle(&self) -> u32 {
         self.still.cycles.saturating_add(self.absence.missing)
     }
 
-    fn without_reading(&mut self, moment: Moment) -> Quality {
-        let Absence { missing, spared } = &mut self.absence;
-        if moment.refused && *spared < SPARED {
-            *spared += 1;
-        } else {
-            *missing = missing.saturating_add(u32::from(moment.live));
-        }
-        if *missing >= self.limits.stale { Quality::Stale } else { Quality::Missing }
+    fn without_reading(&mut self, live: bool) -> Quality {
+        let missing = &mut self.absence.missing;
+        *missing = missing.saturating_add(u32::from(live));
+        self.of_none()
+    }
+
+    const fn of_none(&self) -> Quality {
+        let is_stale = self.absence.missing >= self.limits.stale;
+        if is_stale { Quality::Stale } else { Quality::Missing }
     }
 
     /// Follows a reading. Once frozen it stays so until it changes, even if the command comes to

@@ -16,8 +16,7 @@ fn reading(position: f64) -> Reading {
     Reading { position, code: Some(100), status: Some(0), ..Reading::default() }
 }
 
-const MOVING: Moment =
-    Moment { live: true, refused: false, push: Some(Push::Positive), other: None };
+const MOVING: Moment = Moment { live: true, push: Some(Push::Positive), other: None };
 const STILL: Moment = Moment { push: None, ..MOVING };
 
 /// The other transducer in motion, at `position`.
