@@ -15,8 +15,38 @@ impl Monitor {
             self.reckon_due();
         } else if self.clock.has_had_sync(stamp) {
             self.counts.repeated += 1;
+            if self.has_readings() {
+                self.clock.set_aside(stamp);
+            }
         } else {
             self.open_cycle(stamp, now, true, sink);
+        }
+    }
+
+    /// Whether a reading of the newest cycle has come.
+    fn has_readings(&self) -> bool {
+        let number = self.clock.number();
+        let mut pages = self.stations.iter().flat_map(|station| &station.pages);
+        pages.any(|page| page.reading && page.slot.has(number))
+    }
+
+    /// Opens the next cycle by the Sync that was taken for a repetition, if the frame at `place` is of that cycle.
+    #[cold]
+    fn open_by_set_aside(
+        &mut self,
+        place: Place,
+        now: Timestamp,
+        frame: &Frame,
+        count: Option<u64>,
+        sink: &mut impl Sink,
+    ) {
+        let (Some(sync), Some(when)) = (self.clock.sync_set_aside(), self.clock.when()) else {
+            return;
+        };
+        let page = &mut self.stations[place.0].pages[place.1];
+        if page.reading && page.slot.follows(frame, count, &when, sync) {
+            self.counts.repeated -= 1;
+            self.open_cycle(sync, now, true, sink);
         }
     }
 
@@ -63,6 +93,10 @@ impl Monitor {
         let is_sync = station.is_sync();
         let page = &mut station.pages[place.1];
         let count = page.count(frame, &mut self.counts.bad_signals);
+        if self.clock.sync_set_aside().is_some() {
+            self.open_by_set_aside(place, now, frame, count, sink);
+        }
+        let page = &mut self.stations[place.0].pages[place.1];
         if page.reading && !is_sync {
             let (has, kept) = (page.slot.has(self.clock.number()), page.slot.kept());
             if self.clock.could_open(frame.timestamp, has)

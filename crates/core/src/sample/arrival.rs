@@ -6,37 +6,15 @@
 //! one waits, since it may be the lost one, late.
 
 use super::counter::{AliveCounter, BEHIND, Count};
+use super::cycle::When;
 use super::phase::{Phases, Usual};
 use crate::frame::Frame;
 use crate::state::{state, whole};
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 
 /// Number of consecutive cycles with frames, none in time, after which the counter or deadline that
 /// refuses them is no longer trusted.
 const STARVED: u32 = 5;
-
-/// The newest cycle, as a frame finds it.
-#[derive(Clone, Copy, Debug)]
-pub struct When {
-    pub cycle: u64,
-    pub opened: Timestamp,
-    pub open: bool,
-    /// Whether a Sync opened it, so that a frame with an earlier time stamp belongs to an earlier
-    /// cycle.
-    pub by_sync: bool,
-    /// Sample time Ts.
-    pub sample_time: Span,
-}
-
-impl When {
-    const fn phase(&self, stamp: Timestamp) -> i64 {
-        stamp.since(self.opened).as_nanos()
-    }
-
-    const fn half(&self) -> i64 {
-        self.sample_time.as_nanos() / 2
-    }
-}
 
 /// What becomes of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,6 +123,30 @@ impl Slot {
             self.kept = None;
         }
         opens
+    }
+
+    /// Whether `frame` is one cycle on from the frame that the place has of the newest cycle, and therefore of the one
+    /// that the Sync with the time stamp `sync` opens, which was taken for a repetition.
+    pub fn follows(
+        &mut self,
+        frame: &Frame,
+        counter: Option<u64>,
+        when: &When,
+        sync: Timestamp,
+    ) -> bool {
+        if !self.has(when.cycle) {
+            return false;
+        }
+        let phase = frame.timestamp.since(sync).as_nanos();
+        let count = self.counter.as_ref().zip(counter);
+        match count.map_or(Count::Silent, |(alive, value)| alive.read(when.cycle, value)) {
+            Count::Off(1) => (0..when.half()).contains(&phase),
+            Count::Silent => {
+                let beside = phase - self.usual_phase();
+                digest(frame) != self.digest && beside.abs() < when.half() / 2
+            }
+            _ => false,
+        }
     }
 
     /// Takes `frame`, with this `counter` where it could be read, if it is exactly what the open

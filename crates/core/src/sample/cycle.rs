@@ -10,7 +10,6 @@
 //! counts twice nor hides the next one. With Sync, a cycle opens when Sync came; without it, the
 //! grid determines the time.
 
-use super::arrival::When;
 use crate::state::state;
 use crate::time::{Span, Timestamp};
 
@@ -42,6 +41,31 @@ impl Due {
     }
 }
 
+/// The newest cycle, as a frame finds it.
+#[derive(Clone, Copy, Debug)]
+pub struct When {
+    pub cycle: u64,
+    pub opened: Timestamp,
+    pub open: bool,
+    /// Whether a Sync opened it, so that a frame with an earlier time stamp belongs to an earlier
+    /// cycle.
+    pub by_sync: bool,
+    /// Sample time Ts.
+    pub sample_time: Span,
+}
+
+impl When {
+    /// Time from the opening to `stamp`, ns.
+    pub(super) const fn phase(&self, stamp: Timestamp) -> i64 {
+        stamp.since(self.opened).as_nanos()
+    }
+
+    /// Half a sample time, ns.
+    pub(super) const fn half(&self) -> i64 {
+        self.sample_time.as_nanos() / 2
+    }
+}
+
 /// The clock of the machine's cycles.
 #[derive(Clone, Debug)]
 pub struct CycleClock {
@@ -58,18 +82,26 @@ pub struct CycleClock {
     number: u64,
     /// Number of openings that the grid has followed, up to [`SLOWNESS`].
     followed: i64,
+    /// Sync of the newest cycle's time that came after readings of that cycle.
+    set_aside: Option<Timestamp>,
+    /// Number of cycles that opened since the newest Sync, up to [`ABSENT`].
+    without_sync: u32,
 }
 
 state! {
-    CycleClock { opened, nominal, open, provisional, number, followed }
+    CycleClock { opened, nominal, open, provisional, number, followed, set_aside, without_sync }
     but { timing }
-    sound |it| (0..=SLOWNESS).contains(&it.followed)
+    sound |it| (0..=SLOWNESS).contains(&it.followed) && it.without_sync <= ABSENT
 }
 
 /// Divisor of the correction: the grid moves by this part of an opening's deviation, once it has
 /// followed as many. The Sync may run one per cent faster or slower than this clock and still
 /// deviate by less than a quarter of a sample time.
 const SLOWNESS: i64 = 16;
+
+/// Number of cycles in a row that open without their Sync, after which readings open them as if none were configured:
+/// whoever stands in for a Sync is taken at its time only, which a machine that is one per cent fast does not keep.
+const ABSENT: u32 = 4;
 
 impl CycleClock {
     pub fn new(timing: CycleTiming) -> Self {
@@ -81,6 +113,8 @@ impl CycleClock {
             provisional: false,
             number: 0,
             followed: 0,
+            set_aside: None,
+            without_sync: 0,
         }
     }
 
@@ -138,6 +172,7 @@ impl CycleClock {
         let later = |at: Timestamp| at.after(Span::from_nanos(nanos));
         self.opened = self.opened.map(later);
         self.nominal = self.nominal.map(later);
+        self.set_aside = None;
         self.number += count;
         self.open = false;
     }
@@ -152,6 +187,7 @@ impl CycleClock {
         let confirms = self.provisional && near;
         if confirms {
             self.provisional = false;
+            self.without_sync = 0;
             self.opened = Some(at);
             self.follow(beside);
         }
@@ -164,6 +200,18 @@ impl CycleClock {
     pub fn has_had_sync(&self, at: Timestamp) -> bool {
         let soon = self.timing.sample_time.as_nanos() - self.quarter();
         self.beyond_nominal(at).is_some_and(|elapsed| elapsed < soon)
+    }
+
+    /// Sets a Sync at `at` aside that [was had](Self::has_had_sync) by its time, but came after readings of the newest
+    /// cycle: where the clock behind the stamps was set back, or a delay has ended, it is the next one.
+    pub const fn set_aside(&mut self, at: Timestamp) {
+        self.set_aside = Some(at);
+    }
+
+    /// The Sync that was [set aside](Self::set_aside) in the newest cycle.
+    #[inline]
+    pub const fn sync_set_aside(&self) -> Option<Timestamp> {
+        self.set_aside
     }
 
     /// The newest cycle, as frames find it; `None` before the first one.
@@ -183,7 +231,7 @@ impl CycleClock {
     #[inline]
     pub fn could_open(&self, at: Timestamp, has: bool) -> bool {
         let Some(elapsed) = self.beyond_nominal(at) else { return true };
-        if self.timing.synchronised {
+        if self.is_synchronised() {
             // Sync was lost: only a reading about one sample time later may stand in for it.
             (has || !self.open) && elapsed >= self.earliest_without_sync()
         } else {
@@ -194,7 +242,12 @@ impl CycleClock {
     /// Whether readings open cycles, so that an early one opens its cycle when the previous one has
     /// closed.
     pub const fn is_opened_by_readings(&self) -> bool {
-        !self.timing.synchronised
+        !self.is_synchronised()
+    }
+
+    /// Whether Sync opens cycles: it is configured, and comes.
+    const fn is_synchronised(&self) -> bool {
+        self.timing.synchronised && self.without_sync < ABSENT
     }
 
     /// Number of cycles missing between the newest one and an opening at `at`.
@@ -202,7 +255,7 @@ impl CycleClock {
         let Some(elapsed) = self.beyond_nominal(at) else { return 0 };
         let period = self.timing.sample_time.as_nanos();
         // Sync comes late more often than it is lost, and hardly early.
-        let early = if self.timing.synchronised { self.quarter() } else { period / 2 };
+        let early = if self.is_synchronised() { self.quarter() } else { period / 2 };
         let cycles = elapsed.saturating_add(early) / period;
         (cycles.max(1) - 1) as u64
     }
@@ -211,6 +264,7 @@ impl CycleClock {
     pub fn open(&mut self, at: Timestamp, by_sync: bool) {
         let beside = self.beside(at);
         let early = beside.is_some_and(|beside| beside < -self.early());
+        self.without_sync = if by_sync { 0 } else { (self.without_sync + 1).min(ABSENT) };
         self.provisional = self.timing.synchronised && (!by_sync || early);
         match (self.nominal, beside) {
             (Some(nominal), Some(beside)) => {
@@ -223,6 +277,7 @@ impl CycleClock {
             }
         }
         self.opened = if by_sync { Some(at) } else { self.nominal };
+        self.set_aside = None;
         self.open = true;
         self.number += 1;
     }
@@ -236,10 +291,12 @@ impl CycleClock {
     /// Moves the grid towards an opening that deviates by `beside`, ns.
     fn follow(&mut self, beside: i64) {
         self.followed = (self.followed + 1).min(SLOWNESS);
-        let slowness = if self.provisional {
+        let slowness = if self.is_opened_by_readings() {
+            self.followed
+        } else if self.provisional {
             // It tells nothing of where Sync would have been.
             SLOWNESS
-        } else if self.timing.synchronised && beside < 0 {
+        } else if beside < 0 {
             // What holds a Sync up makes it late, never early.
             1
         } else {
@@ -256,6 +313,7 @@ impl CycleClock {
         self.open = false;
         self.provisional = false;
         self.followed = 0;
+        self.set_aside = None;
     }
 
     fn since_opening(&self, at: Timestamp) -> Option<Span> {
@@ -270,7 +328,7 @@ impl CycleClock {
     /// Deviation from the grid beyond which an opening begins a new one, ns.
     const fn farthest(&self) -> i64 {
         let period = self.timing.sample_time.as_nanos();
-        if self.timing.synchronised { period - self.quarter() } else { period / 2 }
+        if self.is_synchronised() { period - self.quarter() } else { period / 2 }
     }
 
     /// Earliness beyond which a frame may be something else, ns.
