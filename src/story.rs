@@ -34,7 +34,7 @@ pub fn kind(incident: &Incident) -> String {
         (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
         (kind, _) => match process_size(incident) {
             Some(size) => format!("{} ({size})", fault(kind)),
-            None => fault(kind).to_owned(),
+            None => what(incident.suspect, kind).to_owned(),
         },
     }
 }
@@ -59,8 +59,16 @@ fn process_size(incident: &Incident) -> Option<String> {
     })
 }
 
+/// What is wrong, by whom it is about: what does not come of neither transducer is the command.
+pub const fn what(suspect: Suspect, kind: Fault) -> &'static str {
+    match (suspect, kind) {
+        (Suspect::Process, Fault::Stale) => "no command",
+        _ => fault(kind),
+    }
+}
+
 /// A kind of fault.
-pub const fn fault(fault: Fault) -> &'static str {
+const fn fault(fault: Fault) -> &'static str {
     match fault {
         Fault::Abrupt => "step",
         Fault::Noise => "noise",

@@ -186,11 +186,11 @@ pub fn warnings(summary: &Summary<'_>) -> String {
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
 pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     let finding = &episode.finding;
-    let first_fault = story::fault(episode.first_fault);
+    let first_fault = story::what(finding.suspect, episode.first_fault);
     let fault = match finding.gain() {
         Some(gain) => format!("{first_fault} → {}", story::scale_error(gain)),
         None if episode.first_fault == finding.fault => first_fault.to_owned(),
-        None => format!("{first_fault} → {}", story::fault(finding.fault)),
+        None => format!("{first_fault} → {}", story::what(finding.suspect, finding.fault)),
     };
     let fault = match finding.device {
         Some(device) => format!("{fault}: {device}"),

@@ -108,3 +108,31 @@ fn what_spoke_up_is_told_in_the_order_of_time() {
     let told = "C1's observer rose; after 1.0 s it was found that C1 did not change while the cylinder was driven; ";
     assert!(evidence(&found_late).starts_with(told), "{}", evidence(&found_late));
 }
+
+/// That the observers and the difference stayed quiet is what speaks for the hydraulics.
+#[test]
+fn of_a_fault_of_the_hydraulics_it_is_told_what_stayed_quiet() {
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let leak = Finding { fault: Fault::Leakage, ..finding(Suspect::Process, None) };
+    let warning = Warning {
+        timestamp: at(1.0),
+        cylinder: 1,
+        detector: Detector::Process,
+        place: WarningPlace::Process as usize,
+        state: State::Raised,
+        finding: leak,
+    };
+    incidents.take(&warning);
+    // The difference is another fault's, which is told elsewhere.
+    incidents.follow(0, [at(1.0); 2], &[Some(2e-4), None, Some(0.06), Some(0.06)], |_| {});
+    let mut standing = None;
+    incidents.finish(at(1.0), |it| standing = Some(*it));
+    let told = evidence(&standing.expect("it stands"));
+    for clause in [
+        "C1's observer stayed quiet (0.20 mm of",
+        "C2's observer was not judged",
+        "the difference stands for another fault (60.0 mm of",
+    ] {
+        assert!(told.contains(clause), "{told}");
+    }
+}

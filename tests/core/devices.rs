@@ -200,6 +200,26 @@ fn silence_is_told_by_what_is_missed_first_and_then_with_its_reason() {
     assert!(first.timestamp < at(107 + 5, 0), "before five readings were missed");
 }
 
+/// What of a device comes too late does not make it one that is heard.
+#[test]
+fn a_device_that_is_lost_stays_so_though_its_readings_come_too_late() {
+    let mut bench = Bench::new();
+    bench.beats = vec![(3, OPERATIONAL)];
+    bench.run(101, &[]);
+    bench.beats.clear();
+    bench.run(5, &[]);
+    bench.silent = vec![0x183];
+    for k in 106..112 {
+        let mut sent = Cycle::new(k - 1).frames();
+        sent.retain(|frame| frame.id.value() == 0x183);
+        let late = frame(at(k, 5), 0x183, sent[0].data());
+        bench.run(1, &[late]);
+    }
+    let raised = bench.seen.warnings[0];
+    assert_eq!(raised.finding.device.map(|it| it.reason), Some(DeviceReason::HeartbeatLost));
+    assert_eq!(bench.qualities(3)[0], Quality::Stale);
+}
+
 #[test]
 fn a_device_without_heartbeats_is_judged_by_its_readings_alone() {
     let mut bench = Bench::new();

@@ -54,7 +54,7 @@ pub struct OpenIncident {
 impl OpenSlot {
     /// In words: `cylinder 5, C1, black: growing error`.
     pub fn summary(&self, cylinder: usize) -> String {
-        let (whom, kind) = (story::whom(self.suspect), story::fault(self.fault));
+        let (whom, kind) = (story::whom(self.suspect), story::what(self.suspect, self.fault));
         format!("cylinder {cylinder}, {whom}, {}: {kind}", self.level.name())
     }
 }
@@ -110,7 +110,7 @@ impl Incidents {
             suspect: open.suspect.name(),
             level: open.level.name(),
             fault: open.fault.name(),
-            kind: story::fault(open.fault),
+            kind: story::what(open.suspect, open.fault),
             begin: open.begin.as_seconds(),
             summary: open.summary(cylinder),
         })

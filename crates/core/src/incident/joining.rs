@@ -3,9 +3,9 @@
 //! Of one cylinder, warnings belong together that do not contradict each other about whom to
 //! suspect and between which the fault is not known to have gone, and those of one moment: a fault of
 //! one transducer reaches the other observer through the machine's controller. A fault of the
-//! hydraulics, or a command that does not come, and readings that have parted are never one incident.
+//! hydraulics, a command that does not come and readings that have parted are never one incident.
 
-use super::{Ending, Incident, Progress, Quantities};
+use super::{Ending, Incident, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Level, Warning};
 use crate::state::whole;
@@ -94,35 +94,34 @@ impl Open {
         at_once && !(is_fact(warning) && self.has_facts())
     }
 
-    /// Whether one of them is of hydraulics or command and the other of a reading that has parted: no valve, pump or seal,
-    /// and no command that does not come, makes C1 and C2 differ, and no reading makes oil.
+    /// Whether one of them is of the hydraulics, of a command that does not come or of a reading that has parted, and the
+    /// other of another one of the three: no valve, pump or seal, and no missing command, makes C1 and C2 differ, no
+    /// reading makes oil, and what is wrong with the oil outlives the command's return.
     fn is_of_another_kind(&self, warning: &Warning) -> bool {
         let has = |place: WarningPlace| self.incident.part(place).is_some();
         let names = |suspect: Suspect| matches!(suspect, Suspect::C1 | Suspect::C2);
+        let (of_oil, of_command) =
+            (has(WarningPlace::Process), has(WarningPlace::PlausibilityOfCommand));
         match warning.detector {
-            Detector::Process => PARTING.into_iter().any(has),
+            Detector::Process => of_command || PARTING.into_iter().any(has),
             Detector::Plausibility if is_of_command(warning) => {
-                PARTING.into_iter().any(has) || names(self.incident.suspect)
+                of_oil || PARTING.into_iter().any(has) || names(self.incident.suspect)
             }
-            Detector::Plausibility => has(WarningPlace::PlausibilityOfCommand),
-            Detector::Fde3 | Detector::Sequential | Detector::Hexapod => {
-                has(WarningPlace::Process) || has(WarningPlace::PlausibilityOfCommand)
-            }
-            Detector::Fde1 | Detector::Fde2 => {
-                names(warning.finding.suspect) && has(WarningPlace::PlausibilityOfCommand)
-            }
+            Detector::Plausibility => of_command,
+            Detector::Fde3 | Detector::Sequential | Detector::Hexapod => of_oil || of_command,
+            Detector::Fde1 | Detector::Fde2 => names(warning.finding.suspect) && of_command,
         }
     }
 
-    /// What of the `quantities` is its: of hydraulics or command only what an observer sees of it. The difference is another
-    /// fault's.
+    /// What of the `quantities` is its: of hydraulics or command not that the machine itself would trip, because the
+    /// readings that differ so far are another fault's.
     pub fn own(&self, quantities: &Quantities) -> Quantities {
         let has = |place: WarningPlace| self.incident.part(place).is_some();
-        if !has(WarningPlace::Process) && !has(WarningPlace::PlausibilityOfCommand) {
-            return *quantities;
+        let mut own = *quantities;
+        if has(WarningPlace::Process) || has(WarningPlace::PlausibilityOfCommand) {
+            own[Quantity::Measured as usize] = None;
         }
-        let [r1, r2, ..] = *quantities;
-        [r1.filter(|_| has(WarningPlace::Fde1)), r2.filter(|_| has(WarningPlace::Fde2)), None, None]
+        own
     }
 
     /// Whether a warning that names a suspect is about this fault, whose suspect is open: one near its begin, one that

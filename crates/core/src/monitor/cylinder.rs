@@ -333,7 +333,8 @@ impl Cylinder {
         at: Timestamp,
     ) -> Quality {
         let is_absent = matches!(quality, Quality::Missing | Quality::Stale);
-        if is_absent && self.inputs.is_refused(TRANSDUCERS[i]) {
+        let is_heard_of = self.word(i) != DeviceWord::Lost;
+        if is_absent && is_heard_of && self.inputs.is_refused(TRANSDUCERS[i]) {
             quality = self.plausibility[i].spare();
         }
         if quality == Quality::Frozen && self.may_be_at_rest(i) {

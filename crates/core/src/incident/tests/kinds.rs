@@ -42,9 +42,29 @@ fn what_is_of_the_hydraulics_and_readings_that_part_are_two_stories_in_either_or
             assert_eq!(story.numbers(Progress::Opened), [1, 2], "{raised:?}");
             for incident in &story.told {
                 let of_oil = incident.suspect == Suspect::Process;
-                assert_eq!(incident.peaks.iter().all(Option::is_none), of_oil, "{incident:?}");
+                // Others' sizes are not its own, but that they were judged is told.
+                assert_eq!(incident.worst().is_none(), of_oil, "{incident:?}");
+                assert!(incident.peaks[Quantity::R1 as usize].is_some(), "{incident:?}");
                 assert!(of_oil || incident.suspect == suspect, "{raised:?} {incident:?}");
             }
+        }
+    }
+}
+
+/// What is wrong with the oil stays when the command comes again, and has a name of its own.
+#[test]
+fn a_command_that_does_not_come_is_not_what_is_wrong_with_the_hydraulics() {
+    let leak = (Process, Fault::Leakage);
+    let command = (PlausibilityOfCommand, Fault::Stale);
+    for raised in [[leak, command], [command, leak]] {
+        let mut story = Story::new();
+        for (t, (place, fault)) in [10.0, 11.0].into_iter().zip(raised) {
+            story.raise(t, place, fault, Suspect::Process, 0.0);
+            story.cycle(t, [0.1; 3]);
+        }
+        assert_eq!(story.numbers(Progress::Opened), [1, 2], "{raised:?}");
+        for (incident, (_, fault)) in story.told.iter().zip(raised) {
+            assert_eq!(incident.fault, fault);
         }
     }
 }
