@@ -274,12 +274,14 @@ fn a_sender_whose_phase_wanders_is_never_locked_out() {
 }
 
 /// A box that stalls for `stall` µs at a time, somewhere in each 200 ms, and then hears all that has
-/// waited at once. Readings that are missing, and those of another cycle.
-fn stalled(stall: i64, counted: bool) -> (usize, usize) {
+/// waited at once.
+fn stall_box(stall: i64, counted: bool, synchronised: bool) -> Collected {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let stalls: Vec<i64> =
         (1..CYCLES / 10).map(|i| i * 200_000 + rng.random_range(0..100_000)).collect();
-    let mut monitor = without(if counted { &[] } else { &["c1_counter", "c2_counter"] });
+    let counters: &[&str] = if counted { &[] } else { &["c1_counter", "c2_counter"] };
+    let sync: &[&str] = if synchronised { &[] } else { &["sync = "] };
+    let mut monitor = without(&[counters, sync].concat());
     let mut seen = Collected::default();
     let mut last = 0;
     for k in 0..CYCLES {
@@ -295,6 +297,12 @@ fn stalled(stall: i64, counted: bool) -> (usize, usize) {
         }
     }
     monitor.finish(&mut seen);
+    seen
+}
+
+/// Readings of a [box that stalls](stall_box) that are missing, and those of another cycle.
+fn stalled(stall: i64, counted: bool) -> (usize, usize) {
+    let seen = stall_box(stall, counted, true);
     let of_1 = seen.records.iter().filter(|record| record.cylinder == 1);
     let (mut missing, mut wrong) = (0, 0);
     for record in of_1 {
@@ -331,10 +339,11 @@ fn what_a_stalled_box_hears_at_once_is_of_the_cycles_it_was_sent_in() {
     }
 }
 
-/// The readings of cylinder 1, C1 and C2, of a machine whose clock is set by `by` µs at frame `at` of cycle [`EVENT`]:
-/// cycles in which they are of different ones, or not the next ones, and cycles that lack one.
-fn set_clock(by: i64, at: usize, counted: bool) -> (usize, usize) {
-    let mut monitor = without(if counted { &[] } else { &["c1_counter", "c2_counter"] });
+/// What [`sequence`] finds of a machine whose clock is set by `by` µs at frame `at` of cycle [`EVENT`].
+fn set_clock(by: i64, at: usize, counted: bool, synchronised: bool) -> (usize, usize) {
+    let counters: &[&str] = if counted { &[] } else { &["c1_counter", "c2_counter"] };
+    let sync: &[&str] = if synchronised { &[] } else { &["sync = "] };
+    let mut monitor = without(&[counters, sync].concat());
     let mut seen = Collected::default();
     for k in 0..CYCLES {
         for (index, mut frame) in Cycle::new(k).frames().into_iter().enumerate() {
@@ -347,6 +356,12 @@ fn set_clock(by: i64, at: usize, counted: bool) -> (usize, usize) {
         }
     }
     monitor.finish(&mut seen);
+    sequence(&seen)
+}
+
+/// The readings of cylinder 1, C1 and C2, of positions by [`position`]: cycles in which they are of different ones, or not
+/// the next ones, and cycles that lack one.
+fn sequence(seen: &Collected) -> (usize, usize) {
     let count = |metres: Option<f64>| metres.map(|it| ((it + 1.5) * 9216.0).round() as i64);
     let of_1 = seen.records.iter().filter(|record| record.cylinder == 1);
     let read: Vec<_> = of_1.map(|record| (count(record.c1), count(record.c2))).collect();
@@ -369,13 +384,44 @@ fn a_clock_set_back_within_a_cycle_takes_no_cycle_away() {
     for counted in [true, false] {
         for by in [-3_000, -6_000, -8_000, -12_000, -15_000, -18_000] {
             for at in 0..frames {
-                let found = set_clock(by, at, counted);
+                let found = set_clock(by, at, counted, true);
                 // By its stamp alone a reading after the Sync is of the cycle before, and may be late.
                 let untold = !counted && by < -10_000 && (1..=2).contains(&at);
                 let most = if untold { (1, 1) } else { (0, 0) };
                 let holds = found.0 <= most.0 && found.1 <= most.1;
                 assert!(holds, "{by} µs at frame {at}, counter {counted}: {found:?}");
             }
+        }
+    }
+}
+
+/// What a stalled box without Sync hears at once is put in order by the counter, and what it says is of one cycle.
+#[test]
+fn without_sync_what_a_stalled_box_hears_at_once_is_not_mixed() {
+    for (stall, most) in [(8_000, 0), (14_000, 0), (18_000, 6), (30_000, 40), (80_000, 200)] {
+        let seen = stall_box(stall, true, false);
+        let (mixed, _) = sequence(&seen);
+        let of_1 = seen.records.iter().filter(|record| record.cylinder == 1);
+        let missing: usize =
+            of_1.map(|it| [it.c1, it.c2].iter().filter(|it| it.is_none()).count()).sum();
+        assert!(mixed == 0 && missing <= most, "{stall} µs: {mixed} mixed, {missing} missing");
+    }
+}
+
+/// Without Sync it is the counter that tells; and where it was set forward, that no cycle is missing.
+#[test]
+fn without_sync_a_clock_that_is_set_takes_few_cycles_away_and_mixes_none() {
+    let frames = Cycle::new(0).frames().len();
+    for by in [-18_000, -15_000, -13_000, -8_000, -3_000, 3_000, 8_000, 12_000, 18_000, 38_000] {
+        for at in 0..frames {
+            let (mixed, lacks) = set_clock(by, at, true, false);
+            // Where whole cycles seem to have passed, five are waited for before the counter is no longer trusted.
+            let most = if by > 12_000 { 10 } else { 0 };
+            // Set back to just behind the newest frame, it leaves no trace.
+            let untold = by < -12_000 && at < 2;
+            let most = if untold { (1, 1) } else { (0, most) };
+            let holds = mixed <= most.0 && lacks <= most.1;
+            assert!(holds, "{by} µs at frame {at}: {mixed} and {lacks}");
         }
     }
 }

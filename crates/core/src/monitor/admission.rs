@@ -6,6 +6,7 @@ use super::sink::Sink;
 use super::{Monitor, Place};
 use crate::frame::Frame;
 use crate::sample::arrival::Fate;
+use crate::sample::cycle::{Opener, When};
 use crate::time::Timestamp;
 
 impl Monitor {
@@ -19,7 +20,7 @@ impl Monitor {
                 self.clock.set_aside(stamp);
             }
         } else {
-            self.open_cycle(stamp, now, true, sink);
+            self.open_cycle(stamp, now, Opener::Sync, sink);
         }
     }
 
@@ -30,9 +31,9 @@ impl Monitor {
         pages.any(|page| page.reading && page.slot.has(number))
     }
 
-    /// Opens the next cycle by the Sync that was taken for a repetition, if the frame at `place` is of that cycle.
-    #[cold]
-    fn open_by_set_aside(
+    /// Opens the next cycle if the reading in `frame` does: by the Sync before it that was taken for a repetition, or by
+    /// itself, where its Sync is late or lost or none is configured.
+    fn open_by_reading(
         &mut self,
         place: Place,
         now: Timestamp,
@@ -40,13 +41,25 @@ impl Monitor {
         count: Option<u64>,
         sink: &mut impl Sink,
     ) {
-        let (Some(sync), Some(when)) = (self.clock.sync_set_aside(), self.clock.when()) else {
-            return;
-        };
-        let page = &mut self.stations[place.0].pages[place.1];
-        if page.reading && page.slot.follows(frame, count, &when, sync) {
+        let is_empty = !self.has_readings();
+        let Self { stations, clock, .. } = self;
+        let slot = &mut stations[place.0].pages[place.1].slot;
+        let when = clock.when();
+        if let (Some(sync), Some(when)) = (clock.sync_set_aside(), &when)
+            && slot.follows(frame, count, when, sync)
+        {
             self.counts.repeated -= 1;
-            self.open_cycle(sync, now, true, sink);
+            return self.open_cycle(sync, now, Opener::Sync, sink);
+        }
+        let (has, kept) = (slot.has(clock.number()), slot.kept());
+        let is_next = clock.is_opened_by_readings() && slot.is_next(count, clock.number());
+        if is_next && has && clock.may_open_at_once()
+            || clock.could_open(frame.timestamp, has)
+                && when.is_none_or(|when| slot.may_open(frame, count, &when, is_empty))
+        {
+            self.counts.repeated += u64::from(kept != slot.kept());
+            let opener = if is_next { Opener::NextReading } else { Opener::Reading };
+            self.open_cycle(frame.timestamp, now, opener, sink);
         }
     }
 
@@ -93,18 +106,8 @@ impl Monitor {
         let is_sync = station.is_sync();
         let page = &mut station.pages[place.1];
         let count = page.count(frame, &mut self.counts.bad_signals);
-        if self.clock.sync_set_aside().is_some() {
-            self.open_by_set_aside(place, now, frame, count, sink);
-        }
-        let page = &mut self.stations[place.0].pages[place.1];
         if page.reading && !is_sync {
-            let (has, kept) = (page.slot.has(self.clock.number()), page.slot.kept());
-            if self.clock.could_open(frame.timestamp, has)
-                && self.clock.when().is_none_or(|when| page.slot.may_open(frame, count, &when))
-            {
-                self.counts.repeated += u64::from(kept != page.slot.kept());
-                self.open_cycle(frame.timestamp, now, false, sink);
-            }
+            self.open_by_reading(place, now, frame, count, sink);
         }
         let Some(when) = self.clock.when() else {
             self.counts.late += 1;
@@ -125,15 +128,7 @@ impl Monitor {
                 if fate == Fate::Held {
                     self.settle(place, now, sink);
                 }
-                let slot = &mut self.stations[place.0].pages[place.1].slot;
-                // What was kept gives way to what is newer.
-                match slot.kept() {
-                    Some(cycle) if cycle == when.cycle => self.counts.late += 1,
-                    Some(_) => self.counts.repeated += 1,
-                    None => {}
-                }
-                slot.keep(fate, frame, count, &when);
-                self.keeps = true;
+                self.keep(place, fate, frame, count, &when);
             }
             Fate::Repeated => self.counts.repeated += 1,
             Fate::Late => {
@@ -143,6 +138,19 @@ impl Monitor {
             // The counter's own tally has it.
             Fate::Jumped => self.refuse(place),
         }
+    }
+
+    /// Keeps `frame` until its cycle opens, or closes.
+    fn keep(&mut self, place: Place, fate: Fate, frame: &Frame, count: Option<u64>, when: &When) {
+        let slot = &mut self.stations[place.0].pages[place.1].slot;
+        // What was kept gives way to what is newer.
+        match slot.kept() {
+            Some(cycle) if cycle == when.cycle => self.counts.late += 1,
+            Some(_) => self.counts.repeated += 1,
+            None => {}
+        }
+        slot.keep(fate, frame, count, when);
+        self.keeps = true;
     }
 
     /// Notes that a frame came whose readings are not those of the open cycle.
@@ -216,7 +224,7 @@ impl Monitor {
         let pages = self.stations.iter().flat_map(|station| &station.pages);
         let readings = pages.filter(|page| page.reading);
         if let Some(stamp) = readings.filter_map(|page| page.slot.held_after(number)).min() {
-            self.open_cycle(stamp, now, false, sink);
+            self.open_cycle(stamp, now, Opener::Reading, sink);
         }
     }
 

@@ -34,7 +34,7 @@ use crate::frame::{Buses, Frame, Kind};
 use crate::hexapod::{Tilt, TiltDesign};
 use crate::incident::Incidents;
 use crate::process::{SupplyDesign, SupplyWatch};
-use crate::sample::cycle::{CycleClock, CycleTiming, Due};
+use crate::sample::cycle::{CycleClock, CycleTiming, Due, Opener};
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::{boxed::Box, vec::Vec};
@@ -241,18 +241,18 @@ impl Monitor {
         }
     }
 
-    /// Opens a cycle with a frame that has the time stamp `stamp`.
+    /// Opens a cycle with a frame of the kind `opener` that has the time stamp `stamp`.
     fn open_cycle(
         &mut self,
         stamp: Timestamp,
         now: Timestamp,
-        by_sync: bool,
+        opener: Opener,
         sink: &mut impl Sink,
     ) {
         if self.clock.is_open() {
             self.close_cycle(now, sink);
         }
-        for _ in 0..self.clock.missing_before(stamp) {
+        for _ in 0..self.clock.missing_before(stamp, opener) {
             self.miss_cycle(now, sink);
         }
         if self.missing_run > self.gap_cycles {
@@ -262,7 +262,7 @@ impl Monitor {
             self.tilt.iter_mut().for_each(|tilt| tilt.lose());
         }
         self.missing_run = 0;
-        self.clock.open(stamp, by_sync);
+        self.clock.open(stamp, opener);
         self.counts.cycles += 1;
         self.pending = self.cylinders.len();
         self.incomplete = false;

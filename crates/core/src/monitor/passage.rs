@@ -44,6 +44,7 @@ impl Monitor {
         if step < Span::ZERO {
             self.counts.backwards += 1;
             if step.as_nanos().saturating_neg() <= self.clock.sample_time().as_nanos() {
+                self.clock.step_back();
                 // Out of order by less than a cycle: what is decided stays so.
                 return last;
             }

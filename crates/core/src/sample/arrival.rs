@@ -1,9 +1,8 @@
 //! Assignment of the frames of a place to cycles.
 //!
-//! A place stands for signals that come together: those of one page of one message that share an
-//! alive counter. In each cycle it takes one frame. The counter decides where there is one
-//! ([`AliveCounter`]); without it the usual time of the frames decides, and a frame after a lost
-//! one waits, since it may be the lost one, late.
+//! A place stands for signals that come together: those of one page of one message that share an alive counter. In each
+//! cycle it takes one frame. The counter decides where there is one ([`AliveCounter`]); without it the usual time of the
+//! frames decides, and a frame after a lost one waits, since it may be the lost one, late.
 
 use super::counter::{AliveCounter, BEHIND, Count};
 use super::cycle::When;
@@ -104,12 +103,19 @@ impl Slot {
         self.filled == Some(cycle)
     }
 
-    /// Whether `frame`, which comes about when a cycle could open, belongs to none of the earlier
-    /// cycles.
-    pub fn may_open(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> bool {
+    /// Whether `frame`, which comes about when a cycle could open, belongs to none of the earlier cycles. Where the newest
+    /// one `is_empty`, a counter that is behind is no proof: the clock may have been set forward.
+    pub fn may_open(
+        &mut self,
+        frame: &Frame,
+        counter: Option<u64>,
+        when: &When,
+        is_empty: bool,
+    ) -> bool {
         let count = self.counter.as_ref().zip(counter);
         match count.map_or(Count::Silent, |(alive, value)| alive.read(when.cycle, value)) {
-            Count::Same | Count::Off(..=0) => return false,
+            Count::Same => return false,
+            Count::Off(..=0) => return is_empty,
             Count::Off(_) | Count::Jumped => return true,
             Count::Silent => {}
         }
@@ -291,7 +297,8 @@ impl Slot {
         self.kept = Some(Kept { frame: frame.clone(), counter, cycle, sure, before });
     }
 
-    fn is_next(&self, counter: Option<u64>, cycle: u64) -> bool {
+    /// Whether `counter` is that of the frame one cycle on from `cycle`.
+    pub fn is_next(&self, counter: Option<u64>, cycle: u64) -> bool {
         let count = self.counter.as_ref().zip(counter);
         count.is_some_and(|(alive, value)| alive.read(cycle, value) == Count::Off(1))
     }

@@ -24,6 +24,16 @@ pub struct CycleTiming {
     pub synchronised: bool,
 }
 
+/// What opens a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Opener {
+    Sync,
+    /// A reading, by its time.
+    Reading,
+    /// A reading whose alive counter says that it is one cycle on from the newest, whatever its time says.
+    NextReading,
+}
+
 /// Time at which the cycle changes without a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Due {
@@ -86,10 +96,13 @@ pub struct CycleClock {
     set_aside: Option<Timestamp>,
     /// Number of cycles that opened since the newest Sync, up to [`ABSENT`].
     without_sync: u32,
+    /// Whether the next cycle may open at once, since the time stamps are behind the frames: those of several cycles
+    /// come together, or the clock was set back.
+    at_once: bool,
 }
 
 state! {
-    CycleClock { opened, nominal, open, provisional, number, followed, set_aside, without_sync }
+    CycleClock { opened, nominal, open, provisional, number, followed, set_aside, without_sync, at_once }
     but { timing }
     sound |it| (0..=SLOWNESS).contains(&it.followed) && it.without_sync <= ABSENT
 }
@@ -115,6 +128,7 @@ impl CycleClock {
             followed: 0,
             set_aside: None,
             without_sync: 0,
+            at_once: false,
         }
     }
 
@@ -250,8 +264,24 @@ impl CycleClock {
         self.timing.synchronised && self.without_sync < ABSENT
     }
 
+    /// Notes that a time stamp is before that of the frame before it: the clock was set back by that and the time between
+    /// the two, or the frames are out of order.
+    pub const fn step_back(&mut self) {
+        self.at_once = true;
+    }
+
+    /// Whether a reading that is one cycle on opens that cycle, whatever its time says.
+    pub const fn may_open_at_once(&self) -> bool {
+        self.at_once && self.is_opened_by_readings()
+    }
+
     /// Number of cycles missing between the newest one and an opening at `at`.
-    pub fn missing_before(&self, at: Timestamp) -> u64 {
+    pub fn missing_before(&self, at: Timestamp, opener: Opener) -> u64 {
+        if opener == Opener::NextReading { 0 } else { self.passed_before(at) }
+    }
+
+    /// Number of cycles that have passed since the newest one by the time `at`.
+    fn passed_before(&self, at: Timestamp) -> u64 {
         let Some(elapsed) = self.beyond_nominal(at) else { return 0 };
         let period = self.timing.sample_time.as_nanos();
         // Sync comes late more often than it is lost, and hardly early.
@@ -261,7 +291,9 @@ impl CycleClock {
     }
 
     /// Opens the next cycle for a frame at `at`, after [`Self::skip`] of those missing.
-    pub fn open(&mut self, at: Timestamp, by_sync: bool) {
+    pub fn open(&mut self, at: Timestamp, opener: Opener) {
+        let by_sync = opener == Opener::Sync;
+        self.at_once = opener == Opener::NextReading && self.passed_before(at) > 0;
         let beside = self.beside(at);
         let early = beside.is_some_and(|beside| beside < -self.early());
         self.without_sync = if by_sync { 0 } else { (self.without_sync + 1).min(ABSENT) };
