@@ -3,6 +3,7 @@
 use super::Failure;
 use crate::bus::{Interfaces, SeveralInterfaces};
 use crate::config::design::{self, Flaw};
+use crate::config::settings::bus_of;
 use crate::config::{self, Document, Loaded, Overrides, Settings, Sheet};
 use crate::dbc::{self, Database};
 use crate::frame::BusNumber;
@@ -107,6 +108,13 @@ impl Machine {
         let loaded =
             Loaded { settings, document, dbc_path, dbc_text, sheets, history_path, store_path };
         Self::new(loaded, design::judging)
+    }
+
+    /// Numbers and names of the platform's states, as far as the DBC names them.
+    pub fn platform_states(&self) -> Vec<(i64, String)> {
+        let signal = self.loaded.settings.signals.state.as_deref();
+        let found = signal.and_then(bus_of).and_then(|(_, name)| self.database.signal(name).ok());
+        found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
     }
 
     /// Interfaces of a recording whose frames are read: `asked`, if given, or else the

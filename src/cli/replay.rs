@@ -1,6 +1,7 @@
 //! `tertius replay`: plays a recording through the monitor.
 
 mod feeding;
+mod witness;
 
 use super::Failure;
 use super::columns::ColumnFolder;
@@ -12,10 +13,9 @@ use super::overriding::SetOptions;
 use super::recorded::RecordedInputs;
 use super::recordings;
 use super::state::{self, StateFile};
-use crate::bus::{Interfaces, Options, Recording, Statistics, TimeStamps};
+use crate::bus::{Options, Recording, Statistics, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
-use crate::report::judgement::RecordedFacts;
 use crate::report::page::{self, PageRecorder};
 use crate::report::{Blanks, Judgement, Stops, Summary, Zone, estimates, jsonl, residuals};
 use crate::time::Span;
@@ -27,6 +27,7 @@ use std::io::{IsTerminal, Write};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::thread;
+use witness::Witness;
 
 /// Runs recordings through the same monitor as the live gateway.
 #[derive(Args, Debug)]
@@ -173,13 +174,14 @@ impl Replay {
         let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
         let read = (&inputs, &options);
         let goes_on = monitor.newest().is_some();
-        let duration =
-            feed(&mut recording, threads, &mut monitor, &mut output, kept.as_mut(), read)?;
+        let mut witness = Witness::new(&machine);
+        let watched = (&mut monitor, &mut witness);
+        let duration = feed(&mut recording, threads, watched, &mut output, kept.as_mut(), read)?;
         if output.failed() {
             return broken_off(output);
         }
         let statistics = recording.statistics();
-        let judgement = judgement(&machine, &interfaces, statistics, &monitor, goes_on);
+        let judgement = witness.judgement(&machine, (&interfaces, statistics), &monitor, goes_on);
         let replayed = Replayed {
             machine: &machine,
             inputs: &inputs,
@@ -347,22 +349,6 @@ struct Replayed<'a> {
     judgement: &'a Judgement,
     /// Duration from the first frame to the last.
     duration: Span,
-}
-
-/// Whether anything was judged by a `monitor` that `goes_on` from another recording or began anew.
-fn judgement(
-    machine: &Machine,
-    interfaces: &Interfaces,
-    statistics: &Statistics,
-    monitor: &Monitor,
-    goes_on: bool,
-) -> Judgement {
-    let counts = monitor.counts();
-    let (design, used) = (&machine.design, counts.used);
-    let recorded = RecordedFacts { statistics, interfaces, design, used, goes_on };
-    let states = machine.loaded.settings.machine.monitored_states.as_deref();
-    let tallies = monitor.tallies().copied().collect::<Vec<_>>();
-    Judgement::new(&recorded, counts, &tallies, states.filter(|_| !monitor.has_opened()))
 }
 
 /// Ends a replay whose output cannot be written: a page of the part that was read would look

@@ -19,7 +19,7 @@ use crate::appliance::telemetry::MachineFacts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::config::Overrides;
-use crate::config::settings::{Settings, bus_of};
+use crate::config::settings::Settings;
 use crate::frame::BusNumber;
 use crate::live::several::SeveralOpener;
 use crate::live::supervisor::{self, Opener};
@@ -94,15 +94,8 @@ pub fn facts(machine: &Machine) -> MachineFacts {
         calibration_recorded: fingerprints.recorded,
         has_model: machine.loaded.has_model(),
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
-        platform_states: platform_states(machine),
+        platform_states: machine.platform_states(),
     }
-}
-
-/// Numbers and names of the platform's states, as far as the DBC names them.
-fn platform_states(machine: &Machine) -> Vec<(i64, String)> {
-    let signal = machine.loaded.settings.signals.state.as_deref();
-    let found = signal.and_then(bus_of).and_then(|(_, name)| machine.database.signal(name).ok());
-    found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
 }
 
 /// A gateway for the configuration `path` with `overrides`, and an opener of its interface, or of the embedded bus

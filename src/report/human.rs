@@ -261,7 +261,7 @@ pub(super) fn what_was_bad(summary: &Summary<'_>) -> String {
         }
     }
     // Else they are told above all.
-    for barren in statistics.barren.iter().filter(|_| summary.judgement.is_judged()) {
+    for barren in statistics.barren.iter().filter(|_| summary.counts.used > 0) {
         _ = writeln!(text, "\n{barren}");
     }
     for damage in &statistics.damage {

@@ -5,6 +5,7 @@ use crate::bus::{Interfaces, Statistics};
 use crate::frame::Id;
 use crate::monitor::cylinder::Tally;
 use crate::monitor::{Counts, MonitorDesign};
+use std::fmt::{self, Display, Formatter};
 
 /// Most identifiers that are listed; further ones are counted.
 const LISTED: usize = 6;
@@ -22,30 +23,42 @@ pub struct RecordedFacts<'a> {
     pub goes_on: bool,
 }
 
+/// States of the platform in a recording in which it was never in a monitored one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissedStates {
+    /// Those that were seen, by number and name.
+    pub seen: Vec<String>,
+    /// Those that are monitored, by number and name.
+    pub monitored: Vec<String>,
+}
+
 /// Reasons why nothing was judged; none where something was.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Judgement {
     reasons: Vec<String>,
+    /// Whether C1 and C2 were compared with each other all the same.
+    compared: bool,
 }
 
 impl Judgement {
     /// The judgement of a replay. Something was judged where there was a residual of any cylinder
-    /// and detector; `missed` are the monitored states by name, if the platform was in none of
-    /// them.
+    /// and detector, except in a recording in which the platform was never in a monitored state
+    /// (`missed`): R3 alone, of rods that are parked, does not make a machine look healthy.
     pub fn new(
         recorded: &RecordedFacts<'_>,
         counts: &Counts,
         tallies: &[Tally],
-        missed: Option<&[String]>,
+        missed: Option<&MissedStates>,
     ) -> Self {
-        if tallies.iter().any(|tally| tally.worst.iter().any(Option::is_some)) {
+        let compared = tallies.iter().any(|tally| tally.worst.iter().any(Option::is_some));
+        if compared && missed.is_none() {
             return Self::default();
         }
         let mut reasons = recorded.nothing();
         if reasons.is_empty() {
             reasons = unjudged(counts, tallies, missed, recorded.goes_on);
         }
-        Self { reasons }
+        Self { reasons, compared }
     }
 
     pub const fn is_judged(&self) -> bool {
@@ -61,9 +74,29 @@ impl Judgement {
         if self.is_judged() {
             return String::new();
         }
-        let mut text = "NOTHING WAS JUDGED, so this says nothing about the machine:\n".to_owned();
+        let mut text = match self.compared {
+            true => {
+                "NOTHING WAS JUDGED by the observers, so this does not say that the machine is \
+                 healthy:\n"
+            }
+            false => "NOTHING WAS JUDGED, so this says nothing about the machine:\n",
+        }
+        .to_owned();
         self.reasons.iter().for_each(|reason| text += &format!("  {reason}\n"));
+        if self.compared {
+            text +=
+                "  below is only what C1 and C2 showed beside each other (R3), and on the stops\n";
+        }
         text
+    }
+
+    /// What takes the place of the number of warnings where there are none.
+    pub const fn without_warnings(&self) -> &'static str {
+        match (self.is_judged(), self.compared) {
+            (true, _) => "No warnings.",
+            (false, true) => "No warnings, but the observers judged nothing.",
+            (false, false) => "No warnings, because nothing was judged.",
+        }
     }
 }
 
@@ -93,6 +126,23 @@ impl RecordedFacts<'_> {
     }
 }
 
+impl Display for MissedStates {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let seen = match self.seen.as_slice() {
+            [] => "no state was received".to_owned(),
+            [one] => format!("the only state seen is {one}"),
+            several => format!("the states seen are {}", several.join(", ")),
+        };
+        let are = if self.monitored.len() == 1 { "is" } else { "are" };
+        let monitored = self.monitored.join(", ");
+        write!(
+            f,
+            "the platform was never in a monitored state: {seen}; monitored {are} {monitored} \
+             (machine.monitored_states)"
+        )
+    }
+}
+
 /// Identifiers that the configuration uses.
 fn identifiers(design: &MonitorDesign) -> String {
     let ids: Vec<Id> = design.subscriptions.all().iter().map(|line| line.id).collect();
@@ -107,7 +157,7 @@ fn identifiers(design: &MonitorDesign) -> String {
 fn unjudged(
     counts: &Counts,
     tallies: &[Tally],
-    missed: Option<&[String]>,
+    missed: Option<&MissedStates>,
     goes_on: bool,
 ) -> Vec<String> {
     let sum = |of: fn(&Tally) -> u64| tallies.iter().map(of).sum::<u64>();
@@ -126,10 +176,7 @@ fn unjudged(
         )];
     }
     let mut reasons = Vec::new();
-    if let Some(states) = missed {
-        let states = states.join(", ");
-        reasons.push(format!("the platform was never in a monitored state ({states})"));
-    }
+    reasons.extend(missed.map(ToString::to_string));
     if implausible > 0 {
         reasons.push(format!("{implausible} readings did not pass the plausibility checks"));
     }

@@ -31,10 +31,12 @@ pub struct Blanks {
 
 /// The verdict, in lines.
 pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
+    let found = incidents(summary.incidents, summary.recorded, zone);
     if !summary.judgement.is_judged() {
-        return Vec::new();
+        // None is no news where nothing was judged; R3 may have found one all the same.
+        return if summary.incidents.count() == 0 { Vec::new() } else { vec![found] };
     }
-    let mut lines = vec![incidents(summary.incidents, summary.recorded, zone)];
+    let mut lines = vec![found];
     lines.push(format!("The observers judged {} of the time.", judged(summary)));
     lines.extend(sequential(summary));
     lines.extend(process(summary));

@@ -168,10 +168,8 @@ pub fn counter_jumps(summary: &Summary<'_>) -> String {
 pub fn warnings(summary: &Summary<'_>) -> String {
     let episodes = summary.episodes;
     let total: u64 = episodes.raised().iter().sum();
-    match (total, summary.judgement.is_judged()) {
-        (0, true) => return "No warnings.".to_owned(),
-        (0, false) => return "No warnings, because nothing was judged.".to_owned(),
-        _ => {}
+    if total == 0 {
+        return summary.judgement.without_warnings().to_owned();
     }
     let by_detector = Detector::ALL
         .iter()

@@ -52,7 +52,9 @@ fn jobs_are_in_the_order_of_time_and_can_be_called() {
         // Without tables there is nothing that the machine's name is for.
         let at = call.iter().position(|it| *it == "--machine").expect("it is named");
         let call = [&call[..at], &call[at + 2..], &["--state", &state]].concat();
-        assert!(tertius(&call, b"").ok().summary()["frames"].as_u64() > Some(3000));
+        // The platform is settled there, of which nothing is judged.
+        let run = tertius(&call, b"").failed(1, &["never in a monitored state"]);
+        assert!(run.summary()["frames"].as_u64() > Some(3000));
     }
     let people = plan(&scratch, &fleet, &[]).ok();
     for words in

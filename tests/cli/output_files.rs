@@ -23,7 +23,8 @@ struct Desk {
 impl Desk {
     fn new() -> Self {
         let scratch = Scratch::new();
-        let log = scratch.write("in.log", between(&recorded("e-type-healthy.log.zst"), 0.0, 1.0));
+        let log =
+            scratch.write("in.log", between(&recorded("e-type-healthy.log.zst"), 160.0, 161.0));
         let config = scratch.config(&[]);
         let table = "cylinder,sensor,kind,t0,magnitude,parameter,t1\n1,C1,step,0,0.01,,\n";
         let faults = scratch.write("faults.csv", table);

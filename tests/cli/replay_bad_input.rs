@@ -255,10 +255,7 @@ fn a_recording_of_which_no_residual_came() {
     let log = scratch.write("good.log", excerpt());
     let judged = replay(&[&log], E_TYPE, &[]).ok().summary();
     assert_eq!((&judged["judged"], judged.get("reasons")), (&true.into(), None));
-    // With C2 there is R3, whatever the state.
     let elsewhere = ("monitored_states = [\"engaged\"]", "monitored_states = [\"settled\"]");
-    let config = scratch.config(&[elsewhere]);
-    assert_eq!(replay(&[&log], &config, &[]).ok().summary()["judged"], true);
     let mut changes = vec![
         ("c2 = \"Cyl{n}_C2.Position\"\n", ""),
         ("c2_velocity = \"Cyl{n}_C2.Velocity\"\n", ""),
@@ -271,12 +268,42 @@ fn a_recording_of_which_no_residual_came() {
     assert_not_judged(&scratch, &soon, &config, &[], "5 cycles are too few for the observers");
     changes.push(elsewhere);
     let config = scratch.config(&changes);
-    let reason = "the platform was never in a monitored state (settled)";
+    let reason = "the platform was never in a monitored state: the only state seen is 3 (engaged); \
+                  monitored is 1 (settled)";
     assert_not_judged(&scratch, &log, &config, &[], reason);
     let states: String =
         excerpt().split_inclusive('\n').filter(|line| line.contains(" 1C1#")).collect();
     let log = scratch.write("states.log", states);
     assert_not_judged(&scratch, &log, E_TYPE, &[], "there is neither Sync nor a reading");
+}
+
+/// R3, which is there whatever the state, does not make a machine look healthy that was parked all the time; what R3
+/// finds is told all the same.
+#[test]
+fn a_recording_in_which_the_platform_was_never_monitored() {
+    let scratch = Scratch::new();
+    let log = recorded("e-type-faults.log.zst");
+    let elsewhere = "monitored_states = [\"settled\", \"safe\"]";
+    let config = scratch.config(&[("monitored_states = [\"engaged\"]", elsewhere)]);
+    let parked = scratch.write("parked.log", between(&log, 80.0, 85.0));
+    let reason = "never in a monitored state: the only state seen is 3 (engaged); monitored are \
+                  1 (settled), 0 (safe)";
+    assert_not_judged(&scratch, &parked, &config, &[], reason);
+    let page = tertius(&["replay", &parked, "--config", &config], b"").failed(1, &[reason]).stdout;
+    assert!(page.contains("only what C1 and C2 showed beside each other (R3)"), "{page}");
+    assert!(!page.contains("No incident") && !scratch.read("page.html").contains("\"good\""));
+
+    let stateless = between(&log, 80.0, 85.0);
+    let without = stateless.split_inclusive('\n').filter(|line| !line.contains(" 1C1#"));
+    let stateless = scratch.write("stateless.log", without.collect::<String>());
+    let reason = "never in a monitored state: no state was received; monitored is 3 (engaged)";
+    assert_not_judged(&scratch, &stateless, E_TYPE, &[], reason);
+
+    let found = tertius(&["replay", &recording("e-type-faults.log.zst"), "--config", &config], b"");
+    let found = found.failed(1, &["nothing was judged"]).stdout;
+    assert!(found.starts_with(&recording("e-type-faults.log.zst")), "{found}");
+    let (_, told) = found.split_once("NOTHING WAS JUDGED").expect("first of all");
+    assert!(told.contains(" incidents in ") && told.contains("Worst: "), "{found}");
 }
 
 /// Those that learn say the same of the same files.

@@ -110,7 +110,7 @@ fn go_on(log: &str, options: &[&str]) -> Run {
 fn a_piece_of_a_cycle_that_opened_before_it_is_said_to_be_that() {
     let scratch = Scratch::new();
     let whole = recorded("e-type-healthy.log.zst");
-    let part = between(&whole, 30.0, 36.1);
+    let part = between(&whole, 160.0, 166.1);
     let lines: Vec<&str> = part.lines().collect();
     let is_sync = |line: &&str| line.contains(" 080#");
     let open = 1 + lines.iter().rposition(is_sync).expect("there are Syncs");
@@ -127,14 +127,14 @@ fn a_piece_of_a_cycle_that_opened_before_it_is_said_to_be_that() {
 fn a_state_is_refused_where_it_does_not_belong() {
     let scratch = Scratch::new();
     let whole = recorded("e-type-healthy.log.zst");
-    let first = scratch.write("first.log", between(&whole, 30.0, 36.0));
-    let second = scratch.write("second.log", between(&whole, 36.0, 42.0));
+    let first = scratch.write("first.log", between(&whole, 160.0, 166.0));
+    let second = scratch.write("second.log", between(&whole, 166.0, 172.0));
     let state = scratch.path("machine.state");
     go_on(&first, &["--state", &state]).ok();
     let kept = fs::read(&state).expect("it was left");
 
     // The same recording once more, and another configuration.
-    go_on(&first, &["--state", &state]).failed(2, &["has seen frames up to 1700000035.98"]);
+    go_on(&first, &["--state", &state]).failed(2, &["has seen frames up to 1700000165.98"]);
     let other = scratch.config(&[("stale = 0.1", "stale = 0.12")]);
     replay(&[&second], &other, &["--state", &state]).failed(2, &["another design", "same ones"]);
     let estimates = scratch.path("estimates.csv");
@@ -164,7 +164,7 @@ fn a_state_is_refused_where_it_does_not_belong() {
 fn an_empty_recording_changes_nothing() {
     let scratch = Scratch::new();
     let empty = scratch.write("empty.log", "");
-    let log = scratch.write("log", between(&recorded("e-type-healthy.log.zst"), 30.0, 36.0));
+    let log = scratch.write("log", between(&recorded("e-type-healthy.log.zst"), 160.0, 166.0));
     let state = scratch.path("machine.state");
     assert_eq!(go_on(&empty, &["--state", &state]).code, Some(1));
     assert!(fs::metadata(&state).is_err());

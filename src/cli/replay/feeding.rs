@@ -7,6 +7,7 @@ use super::super::output::Output;
 use super::super::progress::Bar;
 use super::super::recorded::RecordedInputs;
 use super::super::state::StateFile;
+use super::witness::Witness;
 use crate::bus::{FrameTaker, Options, Progress, Recording, Statistics, read_ahead};
 use crate::frame::Frame;
 use crate::monitor::Monitor;
@@ -14,7 +15,7 @@ use crate::time::{Span, Timestamp};
 use overlap::{Beginnings, STEP_BACK};
 use std::ops::ControlFlow;
 
-/// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
+/// Feeds the whole recording to the monitor and the witness, while the outputs can be written; returns the time
 /// from its first frame to its last. With more than one of `threads` it is read ahead. Where the state
 /// is `kept`, or was recorded with the `inputs`, the machine goes on after the end.
 ///
@@ -23,7 +24,7 @@ use std::ops::ControlFlow;
 pub fn feed(
     recording: &mut Recording,
     threads: usize,
-    monitor: &mut Monitor,
+    (monitor, witness): (&mut Monitor, &mut Witness),
     output: &mut Output,
     kept: Option<&mut StateFile>,
     (inputs, options): (&RecordedInputs, &Options),
@@ -32,7 +33,7 @@ pub fn feed(
     let (bar, last) = (Bar::new(recording.progress()), output.first);
     let later = Beginnings::new(&inputs.logs, options);
     let (begun, failure) = (false, None);
-    let mut feeding = Feeding { monitor, output, kept, bar, later, last, begun, failure };
+    let mut feeding = Feeding { monitor, witness, output, kept, bar, later, last, begun, failure };
     read_ahead(recording, threads, &mut feeding)?;
     let Feeding { monitor, output, bar, last, failure, .. } = feeding;
     if let Some(failure) = failure {
@@ -51,6 +52,7 @@ pub fn feed(
 /// A replay that goes on.
 struct Feeding<'a> {
     monitor: &'a mut Monitor,
+    witness: &'a mut Witness,
     output: &'a mut Output,
     kept: Option<&'a mut StateFile>,
     bar: Bar,
@@ -77,6 +79,7 @@ impl FrameTaker for Feeding<'_> {
             self.begun = true;
         }
         self.monitor.take(frame, self.output);
+        self.witness.take(frame, self.monitor);
         ControlFlow::Continue(())
     }
 
