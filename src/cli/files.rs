@@ -11,7 +11,7 @@ use std::ffi::OsString;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::os::fd::AsFd;
-use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, chown};
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile, TempPath};
 
@@ -329,11 +329,13 @@ fn beside(path: &Path, there: Option<&Metadata>, mark: Mark) -> io::Result<Place
     let mut prefix = OsString::from(if matches!(mark, Mark::Columns) { "." } else { "" });
     prefix.push(target.file_name().unwrap_or_default());
     prefix.push(".");
-    // As any new file, less what the umask takes.
-    let permissions = Permissions::from_mode(0o666);
     let mut builder = Builder::new();
-    builder.prefix(&prefix).suffix(".part").permissions(permissions);
-    let file = builder.tempfile_in(folder(&target))?;
+    builder.prefix(&prefix).suffix(".part");
+    // Not `tempfile_in`, whose errors name the temporary file: a person knows only the output. The mode is that of any
+    // new file, less what the umask takes.
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create_new(true).mode(0o666);
+    let file = builder.make_in(folder(&target), |path| options.open(path))?;
     if let Some(there) = there {
         // Only the superuser can keep a file another's.
         _ = chown(file.path(), Some(there.uid()), Some(there.gid()));

@@ -6,7 +6,9 @@ use std::io::{Read, Write};
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
-use tertius_testing::support::{self, Run, Scratch, between, command, recorded, tertius};
+use tertius_testing::support::{
+    self, E_TYPE, Run, Scratch, between, command, recorded, replay, tertius,
+};
 
 const FAULT: &str = "step,cylinder=1,size=0.01";
 
@@ -287,4 +289,17 @@ fn a_program_without_tables_says_how_to_build_one_with_them() {
         ["replay", &desk.log, "--config", &desk.config, "--parquet", &desk.scratch.path("columns")];
     tertius(&call, b"").failed(2, &["--parquet", "built without it", "--features parquet"]);
     assert_eq!(desk.left(), before);
+}
+
+/// The temporary file beside an output is no name that anybody has given.
+#[test]
+fn an_output_that_cannot_be_created_is_named_as_it_was_given() {
+    let scratch = Scratch::new();
+    let log = scratch.write("short.log", between(&recorded("e-type-faults.log.zst"), 88.0, 89.0));
+    // Nobody, not even the superuser, may create a file there.
+    for option in ["--report", "--residuals", "--warnings", "--state"] {
+        let run = replay(&[&log], E_TYPE, &[option, "/proc/sys/out.x"]);
+        let run = run.failed(2, &["tertius: /proc/sys/out.x cannot be created: "]);
+        assert!(!run.stderr.contains(".part"), "{}", run.stderr);
+    }
 }
