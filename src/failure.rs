@@ -66,6 +66,16 @@ impl Failure {
     /// Writes the message to standard error.
     pub fn report(&self) {
         match self {
+            // A file that could not be read has no lines to show, and is told as any other file.
+            Self::Config(error) if error.problems().iter().all(|it| it.place().is_none()) => {
+                for it in error.problems() {
+                    let help = if it.help().is_empty() { "" } else { "; " };
+                    tell!("tertius: {}: {}{help}{}", it.file(), it.message(), it.help());
+                }
+                if error.more() > 0 {
+                    tell!("tertius: {} more are not shown", error.more());
+                }
+            }
             #[cfg(feature = "cli")]
             Self::Config(error) => tell!("{:?}", error.report()),
             #[cfg(not(feature = "cli"))]

@@ -473,9 +473,27 @@ fn a_pipe_is_no_configuration_and_no_dbc() {
     check("/dev/zero").failed(2, &["/dev/zero", "it is a pipe or a device"]);
 }
 
+/// A file that cannot be read is told alike, whether it is a configuration or a recording.
+#[test]
+fn a_file_that_does_not_exist_is_told_in_one_form() {
+    let scratch = Scratch::new();
+    let missing = scratch.path("nope.toml");
+    let told = format!(
+        "tertius: {missing}: cannot be read: No such file or directory (os error 2); give the path of a \
+         configuration, for example config/e-type.toml\n"
+    );
+    assert_eq!(check(&missing).failed(2, &[]).stderr, told);
+    assert_eq!(replay(&["nope.log"], &missing, &[]).failed(2, &[]).stderr, told);
+    let log = scratch.path("nope.log");
+    let run = replay(&[&log], "config/e-type.toml", &[]).failed(2, &["tertius: ", &log]);
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    let run = tertius(&["check", "config/e-type.toml", "--set", "fde.high=no"], b"");
+    assert!(run.failed(2, &["tertius: --set fde.high"]).stderr.lines().count() == 1);
+}
+
 #[test]
 fn a_file_that_is_no_configuration_is_one_problem() {
-    let run = check("dbc/e-type.dbc").failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
+    let run = check("dbc/e-type.dbc").failed(2, &["tertius: ", "this is a DBC", "bus.dbc"]);
     assert!(!run.stderr.contains("not TOML"), "{}", run.stderr);
     // In the usual encoding of a DBC a degree sign is not UTF-8.
     let latin = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("the DBC");
@@ -483,7 +501,7 @@ fn a_file_that_is_no_configuration_is_one_problem() {
     latin.extend(b"\nCM_ \"\xB0\";\n");
     let scratch = Scratch::new();
     let latin = scratch.write("latin.dbc", latin);
-    let run = check(&latin).failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
+    let run = check(&latin).failed(2, &["tertius: ", "this is a DBC", "bus.dbc"]);
     assert!(!run.stderr.contains("UTF-8"), "{}", run.stderr);
     check("README.md").failed(2, &["1 problem", "this is not a configuration", "[machine]"]);
     check("tests/recordings/hanging-load.faults.csv").failed(2, &["1 problem"]);

@@ -39,6 +39,11 @@ impl Problem {
         Self { file: file.into(), key: String::new(), place: None, message, help: help.into() }
     }
 
+    /// Name of the file that it is in.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
     pub fn message(&self) -> &str {
         &self.message
     }
