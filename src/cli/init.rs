@@ -12,7 +12,7 @@ use super::replay::StampOption;
 use crate::bus::{Interfaces, Options};
 use crate::config::design;
 use crate::dbc::Database;
-use crate::propose::{Heading, Proposal};
+use crate::propose::{Certainty, Heading, Proposal};
 use clap::Args;
 use comfy_table::{ContentArrangement, Table, presets};
 use console::Term;
@@ -84,6 +84,10 @@ impl Init {
         let database = dbc::read(&self.dbc)?;
         let read = self.read(&database)?;
         let mut proposal = read.proposal;
+        if !proposal.lines.is_empty() {
+            let (name, line) = interface(read.interface, self.interface.as_deref());
+            proposal.add_interface(&name, line);
+        }
         tell!("{}", page(&proposal, &self.dbc, &read.told));
         if proposal.lines.is_empty() {
             return Err(nothing(&proposal));
@@ -91,13 +95,11 @@ impl Init {
         if asks && claimed.is_some() {
             asking::ask(&mut proposal, &mut std::io::stdin().lock())?;
         }
-        let interface = read.interface.or(self.interface);
         let place = self.output.as_deref().unwrap_or(Path::new("-"));
         let stem = self.dbc.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let heading = Heading {
             version: env!("CARGO_PKG_VERSION"),
             name: self.name.as_deref().or(stem.as_deref()).unwrap_or("machine"),
-            interface: interface.as_deref().unwrap_or(USUAL_INTERFACE),
             dbc: &dbc::relative(&self.dbc, files::folder(place)),
             inputs: &read.told,
         };
@@ -120,8 +122,23 @@ impl Init {
             return Err(Failure::Failed("nothing was written".to_owned()));
         }
         claimed.write(&text)?;
-        tell!("\n{}: written; next: tertius check {0}", place.display());
+        let file = place.display();
+        tell!("\n{file}: written");
+        let guesses = proposal.guesses();
+        if !guesses.is_empty() {
+            tell!("guessed, and to be looked at in the file: {}", guesses.join(", "));
+        }
+        tell!(
+            "next: tertius check {file}\nthen: tertius commission {} --config {file}",
+            self.healthy()
+        );
         Ok(())
+    }
+
+    /// The recordings as `commission` takes them, for a person.
+    fn healthy(&self) -> String {
+        let names: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
+        if names.is_empty() { "healthy.log".to_owned() } else { names.join(" ") }
     }
 
     fn claim(&self) -> Result<Option<Claimed>, Failure> {
@@ -138,6 +155,18 @@ impl Init {
         };
         let options = Options { time_stamps: self.time_stamps.into(), interfaces };
         reading::read(database, &self.logs, &options, f64::from(self.minutes) * 60.0)
+    }
+}
+
+/// The interface of the bus, and how it was found: `recorded`, or `asked` for, or the usual one.
+fn interface(recorded: Option<String>, asked: Option<&str>) -> (String, (Certainty, &'static str)) {
+    match (recorded, asked) {
+        (Some(name), _) => (name, (Certainty::Sure, "that of the recording")),
+        (None, Some(name)) => (name.to_owned(), (Certainty::Sure, "as asked for")),
+        (None, None) => {
+            let why = "the usual name; correct it if the gateway's bus has another one";
+            (USUAL_INTERFACE.to_owned(), (Certainty::Guessed, why))
+        }
     }
 }
 

@@ -251,6 +251,41 @@ fn a_file_is_written_once_and_leads_to_a_sound_configuration() {
     tertius(&["replay", &log, "--config", &output], b"").ok();
 }
 
+/// What no recording shows is told as a guess, in the table, in the file and at the end.
+#[test]
+fn every_guess_is_shown_as_one() {
+    let scratch = Scratch::new();
+    let log = simulated(&scratch, "machine.log", &["--duration", "60", "--seed", "4"]);
+    let output = scratch.path("machine.toml");
+    let run = init(&[DBC, &log, "--yes", "--output", &output]).ok();
+    let text = scratch.read("machine.toml");
+    let told = run.stderr.lines().find(|line| line.starts_with("guessed, and to be looked at"));
+    let told = told.expect("the guesses are told together");
+    for (key, line) in [
+        ("bus.bitrate", "bitrate = 500000"),
+        ("comparator.critical", "critical = 0.05"),
+        ("machine.stroke", "stroke = [-1.5, 1.5]"),
+        ("signals.state", "state = \"Plc_State.PlatformState\""),
+    ] {
+        let row = run.stderr.lines().find(|row| row.trim_start().starts_with(key));
+        assert!(row.is_some_and(|row| row.contains(" guessed ")), "{key}: {}", run.stderr);
+        let (before, _) = text.split_once(line).expect("it is in the file");
+        assert!(before.lines().last().is_some_and(|it| it.starts_with("# guessed: ")), "{text}");
+        assert!(told.contains(key), "{told}");
+    }
+    let row = run.stderr.lines().find(|row| row.trim_start().starts_with("bus.interface"));
+    assert!(
+        row.is_some_and(|row| row.contains("can0") && row.contains(" sure ")),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stderr.contains("not found: in which states the rods stand"), "{}", run.stderr);
+    // Without a recording the interface is a guess, too.
+    let run = init(&[DBC]).ok();
+    let row = run.stderr.lines().find(|row| row.trim_start().starts_with("bus.interface"));
+    assert!(row.is_some_and(|row| row.contains(" guessed ")), "{}", run.stderr);
+}
+
 /// A configuration with a number as the interface would fit no recording.
 #[test]
 fn a_channel_that_is_chosen_by_number_is_written_by_its_name() {

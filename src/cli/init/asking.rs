@@ -11,8 +11,17 @@ const LONGEST_ANSWER: u64 = 100;
 /// Times that a question is asked before its default is taken.
 const PATIENCE: usize = 3;
 
-/// Keys that a configuration must have: no question leaves them out.
-const REQUIRED: [&str; 5] = ["cylinders", "sample_time", "stroke", "c1", "control_speed"];
+/// Keys that no question leaves out: a configuration must have them, or their values are in force without them, too.
+const REQUIRED: [&str; 8] = [
+    "cylinders",
+    "sample_time",
+    "stroke",
+    "interface",
+    "bitrate",
+    "c1",
+    "control_speed",
+    "critical",
+];
 
 /// Asks about each guess that may be left out.
 ///

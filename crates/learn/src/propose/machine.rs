@@ -21,6 +21,12 @@ const MOSTLY_MOVES: f64 = 0.25;
 /// The sample time of a machine whose recording does not show it, s.
 const USUAL_TIME: f64 = 0.02;
 
+/// The usual bit rate of such a bus, bit/s.
+const USUAL_BITRATE: u32 = 500_000;
+
+/// The difference of C1 and C2 at which the thesis's machine trips, m.
+const USUAL_CRITICAL: f64 = 0.05;
+
 /// Number of names that a platform's state has at least.
 const LEAST_NAMES: usize = 2;
 
@@ -47,14 +53,21 @@ pub(super) fn proposal(
     writer.sample_time();
     writer.stroke(cylinders);
     let state = writer.state(cylinders);
+    writer.bitrate();
     writer.sync();
     if let Some((signal, line)) = state {
         writer.line("signals", "state", quoted(catalogue.name(signal)), line);
+        writer.proposal.lacks.push(
+            "in which states the rods stand on their mechanical stops: set sequential.stop_states, or nothing is \
+             read there"
+                .to_owned(),
+        );
     }
     writer.supply();
     for key in KEYS {
         writer.cylinder_key(key, cylinders);
     }
+    writer.critical(cylinders);
     writer.proposal
 }
 
@@ -108,6 +121,21 @@ impl Writer<'_> {
         let value =
             if value.contains('.') { value.trim_end_matches('0').to_owned() } else { value };
         self.line("machine", "sample_time", value, (Certainty::Sure, why));
+    }
+
+    fn bitrate(&mut self) {
+        let why = "the usual rate; correct it if the bus has another one".to_owned();
+        self.line("bus", "bitrate", USUAL_BITRATE.to_string(), (Certainty::Guessed, why));
+    }
+
+    /// The limit of C1 − C2 at which the machine itself trips, which is in its controller and on no bus.
+    fn critical(&mut self, cylinders: &[Picks]) {
+        if !cylinders.iter().any(|picks| picks.contains_key("c2")) {
+            return;
+        }
+        let why = "the limit of another machine (thesis); correct it to the C1 − C2, m, at which this one trips";
+        let value = format!("{USUAL_CRITICAL:?}");
+        self.line("comparator", "critical", value, (Certainty::Guessed, why.to_owned()));
     }
 
     fn opener(&self) -> String {

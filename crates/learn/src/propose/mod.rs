@@ -65,6 +65,20 @@ pub struct Proposal {
 }
 
 impl Proposal {
+    /// Adds the line of the bus's interface.
+    pub fn add_interface(&mut self, name: &str, (certainty, why): (Certainty, &str)) {
+        let place = self.lines.iter().position(|line| line.table == "bus");
+        let (table, key, value, why) = ("bus", "interface", quoted(name), why.to_owned());
+        let line = ProposedLine { table, key, value, certainty, why };
+        self.lines.insert(place.unwrap_or(self.lines.len()), line);
+    }
+
+    /// Full names of the keys whose values are guesses.
+    pub fn guesses(&self) -> Vec<String> {
+        let guessed = self.lines.iter().filter(|line| line.certainty == Certainty::Guessed);
+        guessed.map(|line| format!("{}.{}", line.table, line.key)).collect()
+    }
+
     /// The line of a key, for example of `signals.cylinder` and `c1`.
     pub fn line(&self, table: &str, key: &str) -> Option<&ProposedLine> {
         self.lines.iter().find(|line| line.table == table && line.key == key)

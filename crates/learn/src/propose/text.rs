@@ -10,8 +10,6 @@ pub struct Heading<'a> {
     pub version: &'a str,
     /// The machine's name.
     pub name: &'a str,
-    /// Network interface of the bus.
-    pub interface: &'a str,
     /// Path of the DBC from the folder of the configuration.
     pub dbc: &'a str,
     /// The recordings, and how much of them was read, in words; empty without any.
@@ -27,12 +25,12 @@ const ABOUT: &str = "\
 ";
 
 /// Tables of a proposal, in the order of the file.
-const TABLES: [&str; 3] = ["machine", "signals", "signals.cylinder"];
+const TABLES: [&str; 5] = ["machine", "bus", "signals", "signals.cylinder", "comparator"];
 
 impl Proposal {
     /// The text of the configuration.
     pub fn text(&self, heading: &Heading<'_>) -> String {
-        let Heading { version, name, interface, dbc, inputs } = *heading;
+        let Heading { version, name, dbc, inputs } = *heading;
         let mut text = String::new();
         text += &format!("# By tertius {version} init, for {}.\n", one_line(name));
         if !inputs.is_empty() {
@@ -43,18 +41,18 @@ impl Proposal {
             text += &format!("# not found: {}\n", one_line(lack));
         }
         for table in TABLES {
-            text += &format!("\n[{table}]\n");
-            if table == "machine" {
-                text += &format!("name = {}\n", quoted(&one_line(name)));
+            let heads = match table {
+                "machine" => format!("name = {}\n", quoted(&one_line(name))),
+                "bus" => format!("dbc = {}\n", quoted(dbc)),
+                _ => String::new(),
+            };
+            if heads.is_empty() && self.lines.iter().all(|line| line.table != table) {
+                continue;
             }
+            text += &format!("\n[{table}]\n{heads}");
             for line in self.lines.iter().filter(|line| line.table == table) {
                 let (how, why) = (line.certainty.word(), one_line(&line.why));
                 text += &format!("# {how}: {why}\n{} = {}\n", line.key, line.value);
-            }
-            if table == "machine" {
-                let (interface, dbc) = (quoted(interface), quoted(dbc));
-                text += &format!("\n[bus]\ninterface = {interface}\ndbc = {dbc}\n");
-                text += "# guessed: the usual rate; correct it if the bus has another one\nbitrate = 500000\n";
             }
         }
         text
