@@ -39,7 +39,7 @@ impl Check {
     /// # Errors
     /// Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::load(&self.config, &self.set.overrides()?)?;
+        let machine = Machine::load_checking(&self.config, &self.set.overrides()?)?;
         let text = describe(&machine);
         let mut out = std::io::stdout();
         out.write_all(text.as_bytes()).map_err(|error| Failure::writing("standard output", &error))
@@ -50,8 +50,13 @@ fn describe(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let subscriptions = machine.design.subscriptions.all();
     let mut text = format!(
-        "{}: sound\n{}: {} messages{}, of which {} are used\n\n",
+        "{}: sound{}\n{}: {} messages{}, of which {} are used\n\n",
         machine.loaded.document.name(),
+        if foreign_time(machine).is_some() {
+            ", but `tertius commission` has to learn its model before it can be used"
+        } else {
+            ""
+        },
         machine.loaded.dbc_path.display(),
         machine.database.messages().len() - machine.database.device_messages(),
         objects::messages(machine),
@@ -158,8 +163,30 @@ fn fast_doubt(settings: &Settings) -> Option<String> {
     })
 }
 
+/// Sample time of the default model, s, where a cylinder has no other one and the machine's sample time is another: no
+/// command that judges takes such a configuration.
+fn foreign_time(machine: &Machine) -> Option<f64> {
+    let settings = &machine.loaded.settings;
+    let ours = settings.machine.sample_time;
+    let mut times = (1..=settings.machine.cylinders).filter_map(|n| settings.model_time_of(n));
+    times.find(|time| (time - ours).abs() > SAME_TIME)
+}
+
 /// A machine without a model of its own, which R1 and R2 judge by that of another one.
 fn model_doubt(machine: &Machine) -> Option<String> {
+    if let Some(time) = foreign_time(machine) {
+        let ours = machine.loaded.settings.machine.sample_time;
+        let who = if machine.loaded.has_model() {
+            "not every cylinder has one"
+        } else {
+            "this file has none"
+        };
+        return Some(format!(
+            "model: {who}, and that of another machine (thesis, Table 4-1) is for a \
+             sample time of {time} s, not {ours} s, so that `replay` and `run` refuse this configuration; \
+             `tertius commission` takes it as it is, and learns this machine's model from a healthy recording"
+        ));
+    }
     (!machine.loaded.has_model()).then(|| {
         "model: this file has none, so that R1 and R2 judge by the model of another machine (thesis, Table 4-1); \
          `tertius commission` learns this machine's from a healthy recording"

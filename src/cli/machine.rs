@@ -44,6 +44,14 @@ impl Machine {
         Self::new(config::load_with(path, overrides)?, design::judging)
     }
 
+    /// Loads a machine whose configuration is looked at, and which need not be commissioned yet.
+    ///
+    /// # Errors
+    /// See [`Self::load`], except for a default model of another sample time.
+    pub fn load_checking(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
+        Self::new(config::load_with(path, overrides)?, design::checking)
+    }
+
     /// Loads a machine for a command that judges nothing: model and tables may be of another sample
     /// time.
     ///

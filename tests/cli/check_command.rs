@@ -315,9 +315,17 @@ fn a_model_or_a_table_of_another_sample_time() {
     let words = [
         "`machine.sample_time` is 0.007, but the default model, Table 4-1, of cylinder 1 is for a \
          sample time of 0.02 s",
-        "`tertius identify` takes this configuration as it is",
+        "`tertius commission`, or `tertius identify`, takes this",
     ];
-    refused(&scratch, &config, 1, "0.007", &words);
+    replay(&[&recording("hanging-load.log.gz")], &config, &[]).failed(2, &words);
+    // What commissioning makes is no mistake before it.
+    let text = check(&config).ok().stdout;
+    let first = "e-type.toml: sound, but `tertius commission` has to learn its model before it can be used\n";
+    assert!(text.contains(first), "{text}");
+    assert!(
+        text.contains("is for a sample time of 0.02 s, not 0.007 s, so that `replay`"),
+        "{text}"
+    );
     // The command that mends it takes it, and gets as far as the recording.
     let log = recording("hanging-load.log.gz");
     let run = tertius(&["identify", &log, "--config", &config], b"");

@@ -286,6 +286,27 @@ fn every_guess_is_shown_as_one() {
     assert!(row.is_some_and(|row| row.contains(" guessed ")), "{}", run.stderr);
 }
 
+/// The call that `init` names next works on the file that it has written, whatever the machine.
+#[test]
+fn the_next_call_works_for_every_machine() {
+    let scratch = Scratch::new();
+    for machine in ["e-type", "e-type-top", "a-type"] {
+        let (log, output) = (scratch.path("machine.log"), scratch.path(&format!("{machine}.toml")));
+        let (config, dbc) = (format!("config/{machine}.toml"), format!("dbc/{machine}.dbc"));
+        let mut call =
+            vec!["simulate", "--config", &config, "--duration", "60", "--output", &log, "--force"];
+        if machine == "a-type" {
+            call.extend(["--plant", "config/a-type-plant.toml"]);
+        }
+        tertius(&call, b"").ok();
+        let run = init(&[&dbc, &log, "--yes", "--output", &output]).ok();
+        let next = run.stderr.lines().find_map(|line| line.strip_prefix("next: tertius "));
+        let next: Vec<&str> = next.expect("it names the next call").split(' ').collect();
+        let checked = tertius(&next, b"").ok();
+        assert!(checked.stdout.contains("`tertius commission`"), "{machine}: {}", checked.stdout);
+    }
+}
+
 /// A configuration with a number as the interface would fit no recording.
 #[test]
 fn a_channel_that_is_chosen_by_number_is_written_by_its_name() {

@@ -2,6 +2,7 @@
 
 mod devices;
 mod estimate;
+mod flaw;
 mod process;
 mod scale;
 mod sequential;
@@ -10,8 +11,11 @@ mod surveyed;
 mod tilt;
 mod times;
 
+pub use flaw::Flaw;
+
 use super::settings::{CylinderSignals, Settings};
 use super::text::bus_of;
+use flaw::once_per_key;
 use tertius_core::compare::Comparator;
 use tertius_core::frame::BusNumber;
 use tertius_core::monitor::cylinder::CylinderDesign;
@@ -29,22 +33,6 @@ use tertius_core::verdict::fault::Signatures;
 use tertius_core::verdict::{self, BankDesign, Thresholds};
 use tertius_dbc::{Database, LookupError, Message, Signal};
 
-/// A setting that does not fit the DBC or cannot be computed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Flaw {
-    /// Key at fault, for example `signals.cylinder.c1`.
-    pub key: String,
-    pub message: String,
-    /// Advice on what to do.
-    pub help: String,
-}
-
-impl Flaw {
-    pub(super) fn new(key: &str, message: impl ToString, help: impl ToString) -> Self {
-        Self { key: key.to_owned(), message: message.to_string(), help: help.to_string() }
-    }
-}
-
 /// The monitor for `settings`, with the signals of `database`.
 ///
 /// # Errors
@@ -53,7 +41,18 @@ impl Flaw {
 /// and tables of another sample time, estimates that do not fit Fd_Estimate.
 pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     let mut connector = Connector::new(settings, database, false);
-    connector.refuse_other_times();
+    connector.refuse_other_times(true);
+    connector.build()
+}
+
+/// As [`judging`], for a configuration that is looked at before the machine is commissioned: it may lack a model of its
+/// own, also where the default one is of another sample time.
+///
+/// # Errors
+/// See [`judging`], except for the default model.
+pub fn checking(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    let mut connector = Connector::new(settings, database, false);
+    connector.refuse_other_times(false);
     connector.build()
 }
 
@@ -74,17 +73,6 @@ pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesi
 /// See [`unjudging`]; also pressures that are not in bar.
 pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     Connector::new(settings, database, true).build()
-}
-
-/// The first flaw of each key: a misspelt signal is one mistake, and not one for each cylinder.
-fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
-    let mut kept: Vec<Flaw> = Vec::new();
-    for flaw in flaws {
-        if kept.iter().all(|known| known.key != flaw.key) {
-            kept.push(flaw);
-        }
-    }
-    kept
 }
 
 struct Connector<'a> {

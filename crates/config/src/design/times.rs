@@ -17,8 +17,9 @@ const SHORTEST_FRAME_BITS: f64 = 30.0;
 
 impl Connector<'_> {
     /// Refuses θ and γ of (4-1), weights of the Riccati equation and tables for the sequential
-    /// detector that were made for another sample time, since they would describe another machine.
-    pub(super) fn refuse_other_times(&mut self) {
+    /// detector that were made for another sample time, since they would describe another machine. What is not in
+    /// the file, the default model, is refused only where it would judge (`by_default`).
+    pub(super) fn refuse_other_times(&mut self, by_default: bool) {
         let settings = self.settings;
         for n in 1..=settings.machine.cylinders {
             let own = settings.cylinder.iter().position(|cylinder| cylinder.n == n);
@@ -32,13 +33,15 @@ impl Connector<'_> {
                 // Nothing in the file is at fault but that there is no model in it.
                 _ => ("machine.sample_time".to_owned(), "the default model, Table 4-1,"),
             };
-            self.refuse_time(
-                &key,
-                settings.model_time_of(n),
-                &format!("{model} of cylinder {n}"),
-                "`tertius identify` takes this configuration as it is, and writes a model of the \
-                 machine's own sample time",
-            );
+            if by_default || key != "machine.sample_time" {
+                self.refuse_time(
+                    &key,
+                    settings.model_time_of(n),
+                    &format!("{model} of cylinder {n}"),
+                    "`tertius commission`, or `tertius identify`, takes this configuration as it is, and writes a \
+                     model of the machine's own sample time",
+                );
+            }
             if let Some(fitted) = settings.process_of(n) {
                 self.refuse_time(
                     &format!("{}.process.sample_time", table.as_deref().unwrap_or("cylinder")),
