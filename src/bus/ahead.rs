@@ -30,6 +30,9 @@ pub trait FrameTaker {
     /// Takes the next frame.
     fn take(&mut self, frame: &Frame) -> ControlFlow<()>;
 
+    /// Is called every 1,024 frames.
+    fn glance(&mut self) {}
+
     /// Is called every 65,536 frames with the progress so far.
     fn pause(&mut self, progress: Progress) -> ControlFlow<()>;
 }
@@ -58,6 +61,7 @@ pub fn read_ahead(
         let reader = scope.spawn(move || read(recording, &from_taker, &to_taker));
         for ((mut batch, progress), n) in from_reader.iter().zip(1..) {
             let mut flow = batch.try_for_each(|frame| taker.take(frame));
+            taker.glance();
             if flow.is_continue() && (BATCH * n).is_multiple_of(STRIDE) {
                 flow = taker.pause(progress);
             }
@@ -75,11 +79,14 @@ pub fn read_ahead(
 
 fn read_in_turn(recording: &mut Recording, taker: &mut impl FrameTaker) -> Result<(), SourceError> {
     loop {
-        for _ in 0..STRIDE {
-            let Some(frame) = recording.next_frame()? else { return Ok(()) };
-            if taker.take(frame).is_break() {
-                return Ok(());
+        for _ in 0..STRIDE / BATCH {
+            for _ in 0..BATCH {
+                let Some(frame) = recording.next_frame()? else { return Ok(()) };
+                if taker.take(frame).is_break() {
+                    return Ok(());
+                }
             }
+            taker.glance();
         }
         if taker.pause(recording.progress()).is_break() {
             return Ok(());

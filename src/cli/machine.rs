@@ -8,6 +8,7 @@ use crate::config::{self, Document, Loaded, Overrides, Settings, Sheet};
 use crate::dbc::{self, Database};
 use crate::frame::BusNumber;
 use crate::monitor::MonitorDesign;
+use crate::report::RecordedPace;
 use crate::time::Span;
 use std::path::{Path, PathBuf};
 
@@ -116,6 +117,16 @@ impl Machine {
         let loaded =
             Loaded { settings, document, dbc_path, dbc_text, sheets, history_path, store_path };
         Self::new(loaded, design::judging)
+    }
+
+    /// Times the cycles of a recording.
+    pub fn pace(&self) -> RecordedPace {
+        let settings = &self.loaded.settings;
+        RecordedPace::new(
+            &self.design,
+            settings.machine.sample_time,
+            settings.signals.sync.as_deref(),
+        )
     }
 
     /// Numbers and names of the platform's states, as far as the DBC names them.

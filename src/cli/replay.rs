@@ -188,6 +188,7 @@ impl Replay {
             statistics,
             monitor: &monitor,
             judgement: &judgement,
+            remarks: &witness.remarks(),
             duration,
         };
         self.conclude(&replayed, report, output)?;
@@ -274,7 +275,8 @@ impl Replay {
         report: Option<Claimed>,
         mut output: Output,
     ) -> Result<(), Failure> {
-        let Replayed { machine, inputs, statistics, monitor, judgement, duration } = *replayed;
+        let Replayed { machine, inputs, statistics, monitor, judgement, remarks, duration } =
+            *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let of_all = (1..).zip(monitor.blanks());
@@ -292,6 +294,7 @@ impl Replay {
             fingerprints: &machine.loaded.fingerprints(),
             has_model: machine.loaded.has_model(),
             judgement,
+            remarks,
             statistics,
             counts: monitor.counts(),
             tallies: &tallies,
@@ -347,6 +350,7 @@ struct Replayed<'a> {
     statistics: &'a Statistics,
     monitor: &'a Monitor,
     judgement: &'a Judgement,
+    remarks: &'a [String],
     /// Duration from the first frame to the last.
     duration: Span,
 }

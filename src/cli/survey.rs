@@ -11,6 +11,7 @@ use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, MonitorDesign};
 use crate::report;
+use crate::report::RecordedPace;
 use crate::report::judgement::RecordedFacts;
 use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
 use crate::time::Span;
@@ -63,8 +64,8 @@ pub struct Surveyed {
     /// Requested window.
     pub window: Window,
     pub statistics: Statistics,
-    /// Remark on frames from before the first one, if there are any.
-    backwards: Option<String>,
+    /// Remarks on frames from before the first one, if there are any, and on a Sync that did not come.
+    doubts: Vec<String>,
     /// Whether the recordings were named in another order than that of time.
     reordered: bool,
     logs: Vec<PathBuf>,
@@ -95,11 +96,17 @@ const OUT_OF_ORDER: Span = Span::from_nanos(1_000_000_000);
 const LARGEST_LOSS: f64 = 0.01;
 
 impl Extent {
-    fn of(recording: &mut Recording, design: &MonitorDesign) -> Result<Self, Failure> {
+    fn of(
+        recording: &mut Recording,
+        design: &MonitorDesign,
+        pace: &mut RecordedPace,
+    ) -> Result<Self, Failure> {
         let bar = Bar::new(recording.progress());
         let mut extent = Self::default();
         while let Some(frame) = recording.next_frame()? {
-            extent.take(frame, design);
+            if extent.take(frame, design) {
+                pace.take(frame);
+            }
             if extent.frames.is_multiple_of(STRIDE) {
                 bar.show(recording.progress());
             }
@@ -108,17 +115,20 @@ impl Extent {
         Ok(extent)
     }
 
-    fn take(&mut self, frame: &Frame, design: &MonitorDesign) {
+    /// Takes a frame; returns whether the configuration uses it.
+    fn take(&mut self, frame: &Frame, design: &MonitorDesign) -> bool {
         let at = frame.timestamp;
         let latest = self.timeline.ends().map(|(_, latest)| latest);
         self.again += u64::from(latest.is_some_and(|latest| latest.since(at) > OUT_OF_ORDER));
         self.timeline.take(at);
         self.frames += 1;
         self.before += u64::from(at < self.timeline.first());
-        if reads(design, frame) {
+        let used = reads(design, frame);
+        if used {
             self.timeline.read(frame);
             self.used += 1;
         }
+        used
     }
 
     /// Remark on frames from before the first one, if there are any.
@@ -173,7 +183,8 @@ impl Field {
         let options = Options { time_stamps: self.time_stamps.into(), interfaces };
         let logs = self.in_order(&options);
         let mut recording = Recording::open(&logs, options.clone())?;
-        let extent = Extent::of(&mut recording, &design)?;
+        let mut pace = machine.pace();
+        let extent = Extent::of(&mut recording, &design, &mut pace)?;
         let statistics = recording.statistics().clone();
         let (interfaces, used) = (&options.interfaces, extent.used);
         let recorded = RecordedFacts {
@@ -190,6 +201,8 @@ impl Field {
         }
         let backwards = extent.backwards()?;
         extent.all_once()?;
+        let doubt = pace.of_a_lesson().map_err(Failure::Wrong)?;
+        let doubts = backwards.into_iter().chain(doubt).collect();
         let timeline = extent.timeline;
         let window = self.window(timeline.length())?;
         let reordered = logs != self.logs;
@@ -199,7 +212,7 @@ impl Field {
             timeline,
             window,
             statistics,
-            backwards,
+            doubts,
             reordered,
             logs,
             options,
@@ -270,7 +283,7 @@ impl Surveyed {
             "the recordings are read in the order of their time stamps, not in the order given"
                 .to_owned()
         });
-        reordered.into_iter().chain(self.backwards.clone()).chain(bad).collect()
+        reordered.into_iter().chain(self.doubts.clone()).chain(bad).collect()
     }
 
     /// Passes the frames within `window` (seconds by the timeline) to `take`, with their original

@@ -76,6 +76,11 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     for line in verdict::lines(summary, heading.zone) {
         _ = writeln!(page, "{}", textwrap::fill(&line, WIDTH));
     }
+    for remark in summary.remarks {
+        let remark = textwrap::fill(&format!("Look at {remark}."), WIDTH);
+        let yellow = || style(&remark).yellow().force_styling(true).to_string();
+        _ = writeln!(page, "\n{}", if heading.colour { yellow() } else { remark.clone() });
+    }
     page += &incidents(heading, summary);
     _ = writeln!(page, "\n{}", overview(summary).trim_end());
     _ = writeln!(page, "{}\n", textwrap::fill(&wording::warnings(summary), WIDTH));

@@ -79,6 +79,9 @@ struct SummaryLine<'a> {
     /// Reasons why nothing was judged.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     reasons: &'a [String],
+    /// What of the cycle is other than the configuration says.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    remarks: &'a [String],
     #[serde(flatten)]
     judged_by: IdentityFields<'a>,
     frames: u64,
@@ -242,6 +245,7 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
         r#type: "summary",
         judged: summary.judgement.is_judged(),
         reasons: summary.judgement.reasons(),
+        remarks: summary.remarks,
         judged_by: (*fingerprints).into(),
         frames: statistics.frames,
         ignored_frames: summary.ignored_frames(),

@@ -17,6 +17,7 @@ pub mod judgement;
 pub mod nonlinear;
 mod notice;
 mod number;
+pub mod pace;
 pub mod page;
 pub mod residuals;
 pub mod sheet;
@@ -32,6 +33,7 @@ pub use episode::{Episode, Episodes};
 pub use estimates::{EstimateRow, EstimateTable};
 pub use incidents::Incidents;
 pub use judgement::Judgement;
+pub use pace::{OffPace, RecordedPace};
 pub use residuals::{ResidualRow, ResidualTable};
 pub use stops::Stops;
 pub use verdict::Blanks;
@@ -57,6 +59,8 @@ pub struct Summary<'a> {
     /// Whether the machine has a model of its own; otherwise R1 and R2 are those of the thesis's.
     pub has_model: bool,
     pub judgement: &'a Judgement,
+    /// What of the cycle is other than the configuration says; empty where all is as it says.
+    pub remarks: &'a [String],
     pub statistics: &'a Statistics,
     pub counts: &'a Counts,
     pub tallies: &'a [Tally],

@@ -28,6 +28,7 @@ mod manual;
 mod output_files;
 mod outputs_document;
 mod overrides;
+mod pace;
 mod package;
 mod replay_bad_input;
 mod replay_identity;

@@ -32,10 +32,12 @@ pub fn feed(
     let goes_on = kept.is_some() || inputs.state.is_some();
     let (bar, last) = (Bar::new(recording.progress()), output.first);
     let later = Beginnings::new(&inputs.logs, options);
-    let (begun, failure) = (false, None);
-    let mut feeding = Feeding { monitor, witness, output, kept, bar, later, last, begun, failure };
+    let (begun, attends, failure) = (false, true, None);
+    let mut feeding =
+        Feeding { monitor, witness, output, kept, bar, later, last, begun, attends, failure };
     read_ahead(recording, threads, &mut feeding)?;
-    let Feeding { monitor, output, bar, last, failure, .. } = feeding;
+    let Feeding { monitor, witness, output, bar, last, failure, .. } = feeding;
+    witness.glance(monitor);
     if let Some(failure) = failure {
         return Err(failure);
     }
@@ -60,6 +62,8 @@ struct Feeding<'a> {
     /// Time stamp of the newest frame.
     last: Timestamp,
     begun: bool,
+    /// Whether more is done with a frame than to judge it: it is the first one, or the witness looks at it.
+    attends: bool,
     failure: Option<Failure>,
 }
 
@@ -70,17 +74,15 @@ impl FrameTaker for Feeding<'_> {
             return ControlFlow::Break(());
         }
         self.last = frame.timestamp;
-        if !self.begun {
-            let begun = begin(self.last, self.monitor, self.output, self.kept.as_deref_mut());
-            self.failure = begun.err();
-            if self.failure.is_some() {
-                return ControlFlow::Break(());
-            }
-            self.begun = true;
+        if self.attends && self.attend(frame).is_break() {
+            return ControlFlow::Break(());
         }
         self.monitor.take(frame, self.output);
-        self.witness.take(frame, self.monitor);
         ControlFlow::Continue(())
+    }
+
+    fn glance(&mut self) {
+        self.attends = self.witness.glance(self.monitor);
     }
 
     fn pause(&mut self, progress: Progress) -> ControlFlow<()> {
@@ -93,6 +95,22 @@ impl FrameTaker for Feeding<'_> {
 }
 
 impl Feeding<'_> {
+    // Out of the way of most frames, which pay one question for it.
+    #[cold]
+    #[inline(never)]
+    fn attend(&mut self, frame: &Frame) -> ControlFlow<()> {
+        if !self.begun {
+            let begun = begin(self.last, self.monitor, self.output, self.kept.as_deref_mut());
+            self.failure = begun.err();
+            if self.failure.is_some() {
+                return ControlFlow::Break(());
+            }
+            self.begun = true;
+        }
+        self.witness.take(frame);
+        ControlFlow::Continue(())
+    }
+
     /// Whether a recording begins at `stamp`, before the newest frame, and therefore within those before it.
     #[cold]
     fn begins_again(&mut self, stamp: Timestamp) -> bool {

@@ -1,47 +1,51 @@
-//! What a replay sees of a recording besides the monitor: the states of the platform.
+//! What a replay sees of a recording besides the monitor: the states of the platform, and the pace.
 
 use super::super::machine::Machine;
 use crate::bus::{Interfaces, Statistics};
-use crate::frame::{BusNumber, Frame, Id};
+use crate::frame::{Frame, Kind};
 use crate::monitor::Monitor;
-use crate::monitor::subscriptions::Target;
-use crate::report::Judgement;
 use crate::report::judgement::{MissedStates, RecordedFacts};
+use crate::report::{Judgement, OffPace, RecordedPace};
 
 /// Most states that are told.
 const MOST_STATES: usize = 16;
 
-/// Sees all frames of a recording.
+/// Glances from one look at the frames to the next, and how many in turn are looked at in the beginning.
+const APART: u64 = 64;
+const AT_FIRST: u64 = 4;
+
+/// Looks at what a recording is like, at so few of its frames that the time it takes does not count.
 #[derive(Clone, Debug)]
 pub struct Witness {
-    /// The message with the platform's state.
-    state: Option<(BusNumber, Id)>,
+    pace: RecordedPace,
+    glances: u64,
     /// Numbers of the states, in the order in which they came.
     seen: Vec<i64>,
 }
 
 impl Witness {
     pub fn new(machine: &Machine) -> Self {
-        let tells = |target: Target| target == Target::State;
-        let all = machine.design.subscriptions.all().iter();
-        let mut found = all.filter(|it| it.signals.iter().any(|signal| tells(signal.target)));
-        Self { state: found.next().map(|it| (it.bus, it.id)), seen: Vec::new() }
+        Self { pace: machine.pace(), glances: 0, seen: Vec::new() }
     }
 
-    /// Takes a frame that `monitor` has taken.
-    #[inline]
-    pub fn take(&mut self, frame: &Frame, monitor: &Monitor) {
-        if self.state == Some((frame.bus, frame.id)) {
-            self.see(monitor);
+    /// Takes a frame that it looks at.
+    pub fn take(&mut self, frame: &Frame) {
+        if matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
+            self.pace.take(frame);
         }
     }
 
-    #[cold]
-    fn see(&mut self, monitor: &Monitor) {
-        let Some(number) = monitor.platform() else { return };
-        if self.seen.len() < MOST_STATES && !self.seen.contains(&number) {
-            self.seen.push(number);
-        }
+    /// Looks at the platform's state now and then; returns whether it looks at the next frames.
+    pub fn glance(&mut self, monitor: &Monitor) -> bool {
+        let new = monitor.platform().filter(|number| !self.seen.contains(number));
+        self.seen.extend(new.filter(|_| self.seen.len() < MOST_STATES));
+        self.glances += 1;
+        self.glances < AT_FIRST || self.glances.is_multiple_of(APART)
+    }
+
+    /// What of the cycle is other than the configuration says.
+    pub fn remarks(&self) -> Vec<String> {
+        self.pace.off().iter().map(OffPace::text).map(str::to_owned).collect()
     }
 
     /// Whether anything was judged by a `monitor` that `goes_on` from another recording or began anew.

@@ -31,6 +31,9 @@ pub fn page(
     page.paragraph(&format!("{inputs} with {config}: {}", summary.judged_by()));
     page.alarm(&summary.judgement.headline());
     incidents::verdict(&mut page, &verdict::lines(summary, heading.zone), summary);
+    for remark in summary.remarks {
+        page.alarm(&format!("Look at {remark}."));
+    }
     page.lines(&human::overview(summary));
     page.paragraph(&wording::warnings(summary));
     page.contents();
