@@ -11,7 +11,7 @@ use crate::report::{Judgement, OffPace, RecordedPace};
 const MOST_STATES: usize = 16;
 
 /// Glances from one look at the frames to the next, and how many in turn are looked at in the beginning.
-const APART: u64 = 64;
+const APART: u64 = 256;
 const AT_FIRST: u64 = 4;
 
 /// Looks at what a recording is like, at so few of its frames that the time it takes does not count.

@@ -299,6 +299,10 @@ impl SupplyWatch {
                 let least = ProcessParameters::DEFAULT.over * self.level;
                 if alarm.follow(peak.nats, least, cycles, self.design.clear) {
                     self.alarm = None;
+                    // What longer windows still have of it would raise it again.
+                    self.shortfall.clear();
+                    (self.expected, self.size) = (None, Size::default());
+                    return;
                 }
             }
         }

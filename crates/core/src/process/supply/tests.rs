@@ -89,6 +89,8 @@ fn a_pump_that_gives_less_pressure_is_found_with_its_size_and_ends_with_it() {
         watch.alarm().is_none()
     });
     assert!(over.is_some());
+    // The windows that are longer still have it, and say so no more.
+    assert_eq!(raised(&mut watch, &mut plant, 10_000), None);
 }
 
 /// In a rough sea the pressure falls below all that was taught, and the pump gives no more than it can.
