@@ -1,6 +1,6 @@
 //! A calibration from beginning to end, on a recording that can be read repeatedly.
 
-use super::constancy::LastingStep;
+use super::constancy::{Constancies, LastingStep};
 use super::cutting::{Cuts, are_few, places};
 use super::watch::{OwnLevel, Watch};
 use super::{
@@ -51,6 +51,8 @@ struct Taught {
     gathering: Gathering,
     results: Vec<Result<super::Fitted, CalibrationRefusal>>,
     profiles: Profiles,
+    /// Over all of the recording, whatever is cut out.
+    constancies: Constancies,
     scattering: Scattering,
     trying: Trying,
     sequential: Vec<Option<(Profile, Scatter)>>,
@@ -117,7 +119,9 @@ impl CalibrationCourse<'_> {
         let (sample_time, division) = (settings.machine.sample_time, self.division());
         let (gathering, results) = self.lines(recording, cuts)?;
         let fits = || results.iter().map(|result| result.as_ref().ok());
-        let profiles = self.profiles(recording, cuts, &results)?;
+        let lines = fits().map(|fit| fit.map(|fitted| fitted.line));
+        let mut constancies = Constancies::new(self.timeline.ranking(), lines);
+        let profiles = self.profiles(recording, (cuts, &mut constancies), &results)?;
         let halves = fits().zip(&profiles).map(|(fit, taught)| {
             let (_, halves) = taught.as_ref()?;
             Some((fit?, halves))
@@ -140,6 +144,7 @@ impl CalibrationCourse<'_> {
             gathering,
             results,
             profiles,
+            constancies,
             scattering,
             trying,
             sequential,
@@ -151,18 +156,18 @@ impl CalibrationCourse<'_> {
         Ok(taught)
     }
 
-    /// Profile of each cylinder along its stroke.
+    /// Profile of each cylinder along its stroke; `constancies` share the pass.
     fn profiles<R: Recording>(
         &self,
         recording: &R,
-        cuts: &Cuts,
+        (cuts, constancies): (&Cuts, &mut Constancies),
         results: &[Result<super::Fitted, CalibrationRefusal>],
     ) -> Result<Profiles, R::Error> {
         let machine = &self.settings.machine;
         let fits = results.iter().map(|result| result.as_ref().ok());
         let mut profiling =
             Profiling::new(self.division(), machine.stroke, machine.sample_time, fits);
-        recording.read(self.whole(), cuts.around(&mut profiling))?;
+        recording.read(self.whole(), (cuts.around(&mut profiling), constancies))?;
         Ok((0..results.len()).map(|index| profiling.result(index)).collect())
     }
 
@@ -246,7 +251,8 @@ impl CalibrationCourse<'_> {
         let (process, supply) = (taught.process, taught.supply);
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
-        let steps: Vec<Option<LastingStep>> = trying.lasting_steps().collect();
+        let step = |index| taught.constancies.step(index, cuts.of(index));
+        let steps: Vec<Option<LastingStep>> = (0..results.len()).map(step).collect();
         // What contradicts is no measure for the others.
         let contradicts = |index: usize| {
             let level = levels[index].as_ref();
@@ -261,12 +267,12 @@ impl CalibrationCourse<'_> {
         let cylinder = |(((number, result), tried), (sequential, level)): Learnt| {
             let index = usize::from(number) - 1;
             let contradiction = level.as_ref().and_then(Contradiction::of);
-            let result = result.and_then(|fitted| match steps[index] {
-                Some(LastingStep { at, size }) => {
-                    Err(CalibrationRefusal::Steps { at, size_mm: size * 1e3 })
+            let result = match steps[index] {
+                Some(LastingStep { between: [from, to], size }) => {
+                    Err(CalibrationRefusal::Steps { from, to, size_mm: size * 1e3 })
                 }
-                None => Ok(fitted),
-            });
+                None => result,
+            };
             let mut remarks = Vec::new();
             if result.is_ok() {
                 remarks.extend(gathering.remarks(index));

@@ -5,10 +5,11 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CalibrationRefusal {
     #[error(
-        "C1 - C2 changes by {size_mm:.2} mm at about {at:.0} s, and stays so: is there a fault in the recording? Leave \
-         what is before or after it out (--from, --to), or record again"
+        "C1 - C2 changes by {size_mm:.2} mm between {:.0} and {to:.0} s, and stays so: is there a fault in the recording? \
+         Leave what is before or after it out (--from, --to), or record again",
+        from.max(0.0)
     )]
-    Steps { at: f64, size_mm: f64 },
+    Steps { from: f64, to: f64, size_mm: f64 },
     #[error(
         "no frame of it is in this part of the recording; check the cylinder's number and {{n}} in \
          [signals.cylinder], and that its transducers were on the bus"

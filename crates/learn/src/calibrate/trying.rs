@@ -1,6 +1,5 @@
 //! The band of R3 on data from which the calibration was not made.
 
-use super::constancy::{Constancy, LastingStep};
 use super::fitting::Fitted;
 use super::{Bound, LEAST_BOUND, Line};
 use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
@@ -26,7 +25,6 @@ pub struct TriedBand {
     pub magnitudes: Sketch,
     maxima: Maxima,
     lull: Lull,
-    constancy: Constancy,
     /// Number of samples taken for faulty.
     pub faulty: u64,
     /// Largest of the faulty samples, m.
@@ -50,7 +48,6 @@ impl Trying {
             magnitudes: Sketch::new(),
             maxima: Maxima::of_runs(block),
             lull: Lull::default(),
-            constancy: Constancy::default(),
             faulty: 0,
             worst_faulty: 0.0,
         };
@@ -86,11 +83,6 @@ impl Trying {
         })
     }
 
-    /// The lasting step of each cylinder, see [`TriedBand::lasting_step`].
-    pub fn lasting_steps(&self) -> impl Iterator<Item = Option<LastingStep>> {
-        self.cylinders.iter().map(|tried| tried.as_ref()?.lasting_step())
-    }
-
     pub fn into_cylinders(self) -> Vec<Option<TriedBand>> {
         self.cylinders
     }
@@ -100,11 +92,9 @@ impl Surveyor for Trying {
     fn row(&mut self, row: &Row) {
         let tried = self.cylinders[usize::from(row.cylinder) - 1].as_mut();
         if let (Some(tried), Some((c1, c2))) = (tried, row.c1.zip(row.c2)) {
-            let begins = tried.lull.ends(row.t);
-            if begins {
+            if tried.lull.ends(row.t) {
                 tried.maxima.pause();
             }
-            tried.constancy.add(row.t, tried.line.error(c2, c1), begins);
             tried.take(c1, c2);
         }
     }
@@ -126,11 +116,6 @@ impl TriedBand {
         self.after.add(error);
         self.magnitudes.add(error);
         self.maxima.add(error);
-    }
-
-    /// A step of C1 − Ĉ2 that lasts, faulty samples included.
-    pub fn lasting_step(&self) -> Option<LastingStep> {
-        self.constancy.step()
     }
 
     /// Distance beyond which a sample is taken for faulty, m.
@@ -156,7 +141,6 @@ mod tests {
             magnitudes: Sketch::new(),
             maxima: Maxima::of_runs(50),
             lull: Lull::default(),
-            constancy: Constancy::default(),
             faulty: 0,
             worst_faulty: 0.0,
         };
