@@ -47,3 +47,13 @@ fn a_machine_that_stops_and_engages_again_has_no_step() {
     let stowed: &[&str] = &["--states", "0:engaged,250:safe,400:engaged"];
     calibrated(["700", "7"], stowed, None, &[]).ok();
 }
+
+/// A half of the recording that lies beside the line makes C1 and C2 no transducers in each other's place, and an eighth of
+/// it no samples without a line.
+#[test]
+fn a_large_step_is_said_to_be_one() {
+    for (fault, mm) in [("at=325,size=0.005", "5.0"), ("at=600,size=0.03", "29.99")] {
+        let words = format!("cylinder 3: C1 - C2 changes by {mm}");
+        calibrated(["700", "6"], &[], Some(fault), &[]).failed(1, &[&words, "and stays so"]);
+    }
+}

@@ -119,7 +119,11 @@ impl CalibrationCourse<'_> {
         let (sample_time, division) = (settings.machine.sample_time, self.division());
         let (gathering, results) = self.lines(recording, cuts)?;
         let fits = || results.iter().map(|result| result.as_ref().ok());
-        let lines = fits().map(|fit| fit.map(|fitted| fitted.line));
+        let lines = results.iter().enumerate().map(|(index, result)| match result {
+            Ok(fitted) => Some(fitted.line),
+            Err(refusal) if refusal.may_be_a_step() => gathering.line(index),
+            Err(_) => None,
+        });
         let mut constancies = Constancies::new(self.timeline.ranking(), lines);
         let profiles = self.profiles(recording, (cuts, &mut constancies), &results)?;
         let halves = fits().zip(&profiles).map(|(fit, taught)| {
@@ -267,6 +271,7 @@ impl CalibrationCourse<'_> {
         let cylinder = |(((number, result), tried), (sequential, level)): Learnt| {
             let index = usize::from(number) - 1;
             let contradiction = level.as_ref().and_then(Contradiction::of);
+            // Only of cylinders that have a calibration, or were refused one as a step has them refused.
             let result = match steps[index] {
                 Some(LastingStep { between: [from, to], size }) => {
                     Err(CalibrationRefusal::Steps { from, to, size_mm: size * 1e3 })

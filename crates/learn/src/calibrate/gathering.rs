@@ -1,6 +1,6 @@
 //! The readings of both transducers in a recording, and the line near which they lie.
 
-use super::line::Robust;
+use super::line::{Line, Robust};
 use super::refusal::CalibrationRefusal;
 use super::resolution::Resolution;
 use crate::extremes::Thinned;
@@ -102,6 +102,12 @@ impl Gathering {
         self.partners(index)?;
         self.sides(index)?;
         robust.ok_or(CalibrationRefusal::HardlyMoves { range_mm, least_mm })
+    }
+
+    /// The line of the cylinder of `index` (from 0), whatever is wrong with its data; `None` where they have none.
+    pub fn line(&self, index: usize) -> Option<Line> {
+        let gathered = &self.cylinders[index];
+        Some(Robust::fit(gathered.points.samples(), gathered.rounding())?.line)
     }
 
     /// Remarks on what cannot be determined of a cylinder that can be calibrated.

@@ -6,10 +6,10 @@
 //! and finds a line that a few faulty samples do not move, on samples thinned to a bounded number.
 //! [`Fitting`] is the least squares of all samples near that line, and [`Trying`] finds the band.
 //! For the sequential detector [`Profiling`] fits, in another pass, the difference along the
-//! stroke. [`Spreading`], in the same pass as the band, finds how its scatter depends on the
-//! velocity, and [`Scattering`], in one more pass, the distribution of what is left. Finally the
-//! resulting detectors are tried on the recording: what contradicts them is cut out once, and
-//! otherwise reported ([`Contradiction`]).
+//! stroke; that pass also looks for a step of the difference that lasts. [`Spreading`], in the same
+//! pass as the band, finds how its scatter depends on the velocity, and [`Scattering`], in one more
+//! pass, the distribution of what is left. Finally the resulting detectors are tried on the
+//! recording: what contradicts them is cut out once, and otherwise reported ([`Contradiction`]).
 
 mod constancy;
 mod course;

@@ -62,3 +62,11 @@ pub enum CalibrationRefusal {
     )]
     NotALine { trimmed: u64, rows: u64, limit_mm: f64 },
 }
+
+impl CalibrationRefusal {
+    /// Whether a lasting step of C1 - C2 would have the same refused: its half of the recording may lie beside the line as
+    /// C1 and C2 in each other's place do, or as scattered samples.
+    pub(super) const fn may_be_a_step(&self) -> bool {
+        matches!(self, Self::SwappedTransducers { .. } | Self::NotALine { .. })
+    }
+}
