@@ -17,12 +17,12 @@ pub fn times(factor: f64) -> String {
     if !(factor > 0.0 && factor.is_finite()) {
         return factor.to_string();
     }
-    let unit = 10_f64.powf(factor.log10().floor() - 2.0);
-    if unit >= 1.0 {
-        return format!("{:.0}", (factor / unit).round() * unit);
-    }
-    let digits = (-unit.log10()).round() as usize;
-    format!("{factor:.digits$}")
+    // Rounded first: 9.996 has as many decimals as 10.0.
+    let text = format!("{factor:.2e}");
+    let exponent = text.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
+    let digits = exponent.map_or(0, |exponent| (2 - exponent).max(0)) as usize;
+    let rounded = text.parse().unwrap_or(factor);
+    format!("{rounded:.digits$}")
 }
 
 /// A rate of false alarms in words: `1 false alarm a year`.
@@ -39,7 +39,12 @@ mod tests {
         for (factor, told) in [
             (1.5272, "1.53"),
             (13_389.4, "13400"),
-            (99.96, "100.0"),
+            (99.96, "100"),
+            (9.996, "10.0"),
+            (999.6, "1000"),
+            (0.9996, "1.00"),
+            (1.0, "1.00"),
+            (100.0, "100"),
             (0.0421, "0.0421"),
             (8766.0, "8770"),
         ] {
