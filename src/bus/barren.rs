@@ -45,6 +45,7 @@ impl fmt::Display for Barren {
         let Self { file, lines, seems } = self;
         match seems {
             Seems::Empty => write!(f, "{file}: {seems}"),
+            Seems::Text if *lines == 1 => write!(f, "{file}: no frame in 1 line; {seems}"),
             Seems::Text => write!(f, "{file}: no frame in {lines} lines; {seems}"),
             _ => write!(f, "{file}: no frame; {seems}"),
         }

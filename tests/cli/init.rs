@@ -217,8 +217,8 @@ fn a_recording_without_a_frame_is_named_with_what_it_seems_to_be() {
     let dbc = scratch.write("car.dbc", CAR);
     for (name, content, seems) in [
         ("empty.log", "", "empty.log: it is empty"),
-        ("notes.log", "Dear diary\n", "notes.log: no frame in 1 lines; it is text"),
-        ("remote.log", "(1.0) can0 123#R\n", "none of its 1 frames is a data frame"),
+        ("notes.log", "Dear diary\n", "notes.log: no frame in 1 line; it is text"),
+        ("remote.log", "(1.0) can0 123#R\n", "its only frame is not a data frame"),
     ] {
         let log = scratch.write(name, content);
         let run = init(&[&dbc, &log]).failed(1, &["nothing was read", seems]);

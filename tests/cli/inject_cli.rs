@@ -92,7 +92,7 @@ fn a_recording_on_which_no_fault_has_an_effect_is_not_written_as_a_faulty_one() 
         (LOG, "freeze,cylinder=1,at=100", "in.log (6 frames in 0.00 s)"),
         (&foreign, "freeze,cylinder=1", "is it a recording of this machine"),
         ("", "freeze,cylinder=1", "in.log: it is empty"),
-        ("Dear diary\n", "freeze,cylinder=1", "in.log: no frame in 1 lines; it is text"),
+        ("Dear diary\n", "freeze,cylinder=1", "in.log: no frame in 1 line; it is text"),
         ("(1.0) can0 191#\n", "step,cylinder=1,sensor=c2,size=1", "1 without the signal"),
     ] {
         let log = log(&directory, text);

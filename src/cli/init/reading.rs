@@ -74,7 +74,10 @@ fn nothing(statistics: &Statistics, options: &Options) -> Failure {
         let found = statistics.interfaces_found();
         reasons.push(format!("no frame is from {}; the recording has {found}", options.interfaces));
     } else if *frames > 0 {
-        reasons.push(format!("none of its {frames} frames is a data frame"));
+        reasons.push(match frames {
+            1 => "its only frame is not a data frame".to_owned(),
+            _ => format!("none of its {frames} frames is a data frame"),
+        });
     }
     reasons.extend(damage.iter().map(ToString::to_string));
     reasons.extend(barren.iter().map(ToString::to_string));
