@@ -26,6 +26,8 @@ mod config;
 mod convert;
 mod demo;
 #[cfg(feature = "cli")]
+mod differences;
+#[cfg(feature = "cli")]
 mod doctor;
 #[cfg(feature = "cli")]
 mod eds;

@@ -1,10 +1,11 @@
 //! Tables that commands write for the configuration, into files of their own or in place.
 
 use super::Failure;
+use super::differences::differences;
 use super::files::{self, Claimed, Inputs, Mark, Overwriting};
 use super::machine::{Designer, Machine};
 use super::survey::{Field, Surveyed};
-use crate::config::{self, Loaded, edit};
+use crate::config::{self, Overrides, edit};
 use clap::Args;
 use similar::TextDiff;
 use std::io::Write;
@@ -37,7 +38,7 @@ pub fn claim(
         (into, Mark::Judged),
     ];
     let [tables, page, _] = inputs.claim(wanted, overwriting)?;
-    place.is_of(&surveyed.machine.loaded)?;
+    place.is_of(&surveyed.machine)?;
     if tables.is_some() || place.is_wanted() {
         surveyed.whole()?;
     }
@@ -71,38 +72,20 @@ impl InPlace {
     ///
     /// # Errors
     /// What differs; or the configuration cannot be read.
-    fn is_of(&self, learnt: &Loaded) -> Result<(), Failure> {
+    fn is_of(&self, learnt: &Machine) -> Result<(), Failure> {
         let Some(path) = self.into.as_deref() else { return Ok(()) };
-        let differs = differences(&config::load(path)?, learnt);
+        let found = Machine::load_surveying(path, &Overrides::default())?;
+        let differs = differences(&found, learnt);
         if differs.is_empty() {
             return Ok(());
         }
-        let (name, config) = (path.display(), learnt.title());
+        let (name, config) = (path.display(), learnt.loaded.title());
         Err(Failure::Wrong(format!(
             "{name} is not of the machine of {config}, and would get its tables: {}. Nothing was changed; \
              name a configuration of one machine in --config and --into",
             differs.join("; ")
         )))
     }
-}
-
-/// What tells the machine of `found` from that of `expected`, in words; empty where nothing does.
-fn differences(found: &Loaded, expected: &Loaded) -> Vec<String> {
-    let [own, others] = [found, expected].map(|it| &it.settings.machine);
-    let mut differences = Vec::new();
-    if own.sample_time != others.sample_time {
-        let [own, others] = [own, others].map(|it| it.sample_time);
-        differences.push(format!("machine.sample_time is {own} s, expected {others} s"));
-    }
-    if own.cylinders != others.cylinders {
-        let [own, others] = [own, others].map(|it| it.cylinders);
-        differences.push(format!("machine.cylinders is {own}, expected {others}"));
-    }
-    if found.layout() != expected.layout() {
-        let [own, others] = [found, expected].map(|it| it.dbc_path.display());
-        differences.push(format!("{own} is another layout of frames than {others}"));
-    }
-    differences
 }
 
 /// Most previous files that are kept beside a configuration.

@@ -125,10 +125,15 @@ fn tables_of_one_machine_do_not_go_into_another_ones_configuration() {
         desk.scratch.write("elsewhere.dbc", dbc.replace("BO_ 385 Cyl1_C1", "BO_ 1234 Cyl1_C1"));
     let dbc = format!("{dbc:?}");
     let elsewhere = desk.text().replace(&format!("{:?}", top().join("dbc/e-type.dbc")), &dbc);
+    let exchanged =
+        desk.text().replace("_C1.", "_C3.").replace("_C2.", "_C1.").replace("_C3.", "_C2.");
+    let alone = desk.text().replace("c2_velocity", "# c2_velocity");
     for (text, found) in [
         (slower, "machine.sample_time is 0.025 s, expected 0.02 s"),
         (fewer, "machine.cylinders is 5, expected 6"),
-        (elsewhere, "elsewhere.dbc is another layout of frames than"),
+        (elsewhere, "signals.cylinder.c1 of cylinder 1 is in frame 0x4D2, expected in frame 0x181"),
+        (exchanged, "signals.cylinder.c1 of cylinder 1 is in frame 0x191, expected in frame 0x181"),
+        (alone, "signals.cylinder.c2_velocity of cylinder 1 is not named, expected in frame 0x191"),
     ] {
         assert_ne!(text, desk.text(), "{found}");
         let other = desk.scratch.write("other.toml", &text);
@@ -141,6 +146,19 @@ fn tables_of_one_machine_do_not_go_into_another_ones_configuration() {
             assert_eq!(fs::read_to_string(&other).expect("it is there"), text);
         }
     }
+}
+
+/// What a DBC says beside where the signals are makes no other machine.
+#[test]
+fn another_comment_in_the_dbc_makes_no_other_machine() {
+    let desk = Desk::new();
+    let dbc = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("it ships");
+    let dbc = format!("{}\r\nCM_ \"Typed anew.\";\r\n", dbc.replace('\n', "\r\n"));
+    let dbc = format!("{:?}", desk.scratch.write("anew.dbc", dbc));
+    let text = desk.text().replace(&format!("{:?}", top().join("dbc/e-type.dbc")), &dbc);
+    let other = desk.scratch.write("other.toml", &text);
+    tertius(&["calibrate", &desk.log, "--config", &desk.config, "--into", &other]).ok();
+    assert_ne!(fs::read_to_string(&other).expect("it is there"), text, "it has the tables");
 }
 
 #[test]
