@@ -17,6 +17,9 @@ const BLOCK: f64 = 30.0;
 /// Length of a place on the stroke, m.
 const PLACE: f64 = 0.1;
 
+/// Farthest place: no stroke is longer, whatever a reading says.
+const FARTHEST: f64 = 1e3;
+
 /// Most blocks that are kept: three days.
 const MOST: usize = 10_000;
 
@@ -129,7 +132,7 @@ impl Constancy {
             self.blocks.push(Block { from: t, stretch, places: Vec::new() });
         }
         let Some(block) = self.blocks.last_mut() else { return };
-        let number = (length / PLACE).floor() as i32;
+        let number = (length / PLACE).floor().clamp(-FARTHEST, FARTHEST) as i32;
         match block.places.iter_mut().find(|place| place.number == number) {
             Some(place) => (place.count, place.sum) = (place.count + 1.0, place.sum + error),
             None => block.places.push(Place { number, count: 1.0, sum: error }),
