@@ -192,6 +192,17 @@ fn a_silent_transducer_on_a_living_bus_is_stale() {
 }
 
 /// A clock that is set forward in the middle of a cycle: every frame has come, though for no cycle that is still open.
+/// Nobody waits for what was dead when the gateway came.
+#[test]
+fn with_a_transducer_that_is_silent_from_the_start_it_does_not_start_for_ever() {
+    let frames = |cycles| (0..cycles).flat_map(|k| Cycle::new(k).frames());
+    let (_, seen) = play(frames(30));
+    assert_eq!(seen.status().mode(), 0, "the observers settle");
+    let (_, seen) = play(frames(200).filter(|frame| frame.id.value() != 0x183));
+    assert_eq!(seen.warnings.len(), 1, "{:?}", seen.warnings);
+    assert_eq!(seen.status().mode(), 3, "degraded");
+}
+
 #[test]
 fn frames_that_find_no_cycle_for_a_while_are_not_missing() {
     for by in [30, 40, 100, 300, 500] {

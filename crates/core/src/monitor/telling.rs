@@ -85,15 +85,16 @@ impl Monitor {
             let stands = |suspect| self.register.blames(index, suspect);
             transducers[index] = cylinder.health(stands);
         }
+        let (level, active_warnings) = (self.register.level(), self.register.standing());
         let all_judge = self.cylinders.iter().all(Cylinder::judges);
         let mode = match (self.gate.opening(at), all_judge) {
             (Opening::Closed, _) => Mode::Gated,
             (Opening::Open, true) => Mode::Monitoring,
-            _ if self.monitored_once => Mode::Degraded,
+            // What is known to be wrong from the start on is not waited for.
+            _ if self.monitored_once || active_warnings > 0 => Mode::Degraded,
             _ => Mode::Starting,
         };
         self.monitored_once |= mode == Mode::Monitoring;
-        let (level, active_warnings) = (self.register.level(), self.register.standing());
         Status { transducers, level, mode, active_warnings }
     }
 }
