@@ -3,11 +3,13 @@
 use super::Failure;
 use crate::bus::{Interfaces, SeveralInterfaces};
 use crate::config::design::{self, Flaw};
+#[cfg(feature = "cli")]
 use crate::config::settings::bus_of;
 use crate::config::{self, Document, Loaded, Overrides, Settings, Sheet};
 use crate::dbc::{self, Database};
 use crate::frame::BusNumber;
 use crate::monitor::MonitorDesign;
+#[cfg(feature = "cli")]
 use crate::report::RecordedPace;
 use crate::time::Span;
 use std::path::{Path, PathBuf};
@@ -119,23 +121,6 @@ impl Machine {
         Self::new(loaded, design::judging)
     }
 
-    /// Times the cycles of a recording.
-    pub fn pace(&self) -> RecordedPace {
-        let settings = &self.loaded.settings;
-        RecordedPace::new(
-            &self.design,
-            settings.machine.sample_time,
-            settings.signals.sync.as_deref(),
-        )
-    }
-
-    /// Numbers and names of the platform's states, as far as the DBC names them.
-    pub fn platform_states(&self) -> Vec<(i64, String)> {
-        let signal = self.loaded.settings.signals.state.as_deref();
-        let found = signal.and_then(bus_of).and_then(|(_, name)| self.database.signal(name).ok());
-        found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
-    }
-
     /// Interfaces of a recording whose frames are read: `asked`, if given, or else the
     /// configuration's. For a machine with several buses, `asked` has the form `first=vcan0,second=vcan1`.
     ///
@@ -194,6 +179,27 @@ impl Machine {
         let sheets = self.loaded.sheets.iter().map(|sheet| sheet.path.as_path());
         let kept = history.into_iter().chain(store);
         [config, self.loaded.dbc_path.as_path()].into_iter().chain(sheets).chain(kept)
+    }
+}
+
+/// What a recording is compared with.
+#[cfg(feature = "cli")]
+impl Machine {
+    /// Times the cycles of a recording.
+    pub fn pace(&self) -> RecordedPace {
+        let settings = &self.loaded.settings;
+        RecordedPace::new(
+            &self.design,
+            settings.machine.sample_time,
+            settings.signals.sync.as_deref(),
+        )
+    }
+
+    /// Numbers and names of the platform's states, as far as the DBC names them.
+    pub fn platform_states(&self) -> Vec<(i64, String)> {
+        let signal = self.loaded.settings.signals.state.as_deref();
+        let found = signal.and_then(bus_of).and_then(|(_, name)| self.database.signal(name).ok());
+        found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
     }
 }
 
