@@ -147,9 +147,9 @@ impl CycleClock {
         self.opened
     }
 
-    /// Times of the newest opening: of its frame, and on the grid.
+    /// Times that it knows: of the newest opening, by its frame and on the grid, and of a Sync that may open the next one.
     pub fn times(&self) -> impl Iterator<Item = Timestamp> {
-        [self.opened, self.nominal].into_iter().flatten()
+        [self.opened, self.nominal, self.set_aside].into_iter().flatten()
     }
 
     pub const fn is_open(&self) -> bool {
@@ -346,6 +346,7 @@ impl CycleClock {
         self.provisional = false;
         self.followed = 0;
         self.set_aside = None;
+        self.at_once = false;
     }
 
     fn since_opening(&self, at: Timestamp) -> Option<Span> {
