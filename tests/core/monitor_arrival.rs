@@ -395,6 +395,24 @@ fn a_clock_set_back_within_a_cycle_takes_no_cycle_away() {
     }
 }
 
+/// It counts as a repetition once it is known to be one, wherever a recording is cut.
+#[test]
+fn a_sync_that_opens_a_cycle_after_all_is_no_repetition_wherever_it_is_counted_anew() {
+    let mut monitor = without(&[]);
+    let mut seen = Collected::default();
+    let frames: Vec<Frame> = (0..30).flat_map(|k| Cycle::new(k).frames()).collect();
+    for (index, frame) in frames.iter().enumerate() {
+        let is_set = frame.timestamp.as_nanos() >= START + 20 * 20 * MS;
+        monitor.take(&delayed(frame, if is_set { -8_000 } else { 0 }), &mut seen);
+        if frame.id.value() == 0x080 && index > 0 {
+            assert_eq!(monitor.counts().repeated, 0, "frame {index}");
+            monitor.count_anew();
+        }
+    }
+    monitor.finish(&mut seen);
+    assert_eq!((monitor.counts().repeated, seen.records.len()), (0, 30 * 6));
+}
+
 /// What a stalled box without Sync hears at once is put in order by the counter, and what it says is of one cycle.
 #[test]
 fn without_sync_what_a_stalled_box_hears_at_once_is_not_mixed() {

@@ -15,13 +15,21 @@ impl Monitor {
         if self.clock.confirms(stamp) {
             self.reckon_due();
         } else if self.clock.has_had_sync(stamp) {
-            self.counts.repeated += 1;
+            self.drop_set_aside();
             if self.has_readings() {
                 self.clock.set_aside(stamp);
+            } else {
+                self.counts.repeated += 1;
             }
         } else {
             self.open_cycle(stamp, now, Opener::Sync, sink);
         }
+    }
+
+    /// Takes a Sync that was set aside for a repetition after all.
+    #[inline]
+    pub(super) fn drop_set_aside(&mut self) {
+        self.counts.repeated += u64::from(self.clock.take_set_aside().is_some());
     }
 
     /// Whether a reading of the newest cycle has come.
@@ -48,7 +56,7 @@ impl Monitor {
         if let (Some(sync), Some(when)) = (clock.sync_set_aside(), &when)
             && slot.follows(frame, count, when, sync)
         {
-            self.counts.repeated -= 1;
+            clock.take_set_aside();
             return self.open_cycle(sync, now, Opener::Sync, sink);
         }
         let (has, kept) = (slot.has(clock.number()), slot.kept());

@@ -216,6 +216,7 @@ impl Monitor {
         if let Some(Due::Close(at)) = self.clock.due() {
             self.close_cycle(at, sink);
         }
+        self.drop_set_aside();
         if let Some(last) = self.last {
             self.incidents.finish(last, |incident| sink.incident(incident));
         }
@@ -252,6 +253,7 @@ impl Monitor {
         if self.clock.is_open() {
             self.close_cycle(now, sink);
         }
+        self.drop_set_aside();
         for _ in 0..self.clock.missing_before(stamp, opener) {
             self.miss_cycle(now, sink);
         }
@@ -301,6 +303,7 @@ impl Monitor {
 
     /// Handles a cycle that did not open: the observers predict over it.
     fn miss_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        self.drop_set_aside();
         self.clock.skip(1);
         self.counts.missing += 1;
         self.missing_run += 1;

@@ -127,6 +127,7 @@ impl Monitor {
         // What the open cycle still owes will not come any more.
         let owing = self.clock.is_open() && (self.incomplete || self.pending > 0);
         self.counts.incomplete += u64::from(owing);
+        self.drop_set_aside();
         self.clock.reset();
         self.forget_arrivals();
         self.pending = 0;
@@ -152,6 +153,7 @@ impl Monitor {
             return self.miss_cycle(at, sink);
         }
         let count = self.clock.missing_until(now);
+        self.drop_set_aside();
         self.clock.skip(count);
         self.counts.missing += count;
         self.missing_run += count;

@@ -186,7 +186,6 @@ impl CycleClock {
         let later = |at: Timestamp| at.after(Span::from_nanos(nanos));
         self.opened = self.opened.map(later);
         self.nominal = self.nominal.map(later);
-        self.set_aside = None;
         self.number += count;
         self.open = false;
     }
@@ -217,7 +216,8 @@ impl CycleClock {
     }
 
     /// Sets a Sync at `at` aside that [was had](Self::has_had_sync) by its time, but came after readings of the newest
-    /// cycle: where the clock behind the stamps was set back, or a delay has ended, it is the next one.
+    /// cycle: where the clock behind the stamps was set back, or a delay has ended, it is the next one. Another one that was
+    /// set aside must have been [taken](Self::take_set_aside) before.
     pub const fn set_aside(&mut self, at: Timestamp) {
         self.set_aside = Some(at);
     }
@@ -226,6 +226,12 @@ impl CycleClock {
     #[inline]
     pub const fn sync_set_aside(&self) -> Option<Timestamp> {
         self.set_aside
+    }
+
+    /// The same, which is set aside no longer.
+    #[inline]
+    pub const fn take_set_aside(&mut self) -> Option<Timestamp> {
+        self.set_aside.take()
     }
 
     /// The newest cycle, as frames find it; `None` before the first one.
@@ -309,7 +315,6 @@ impl CycleClock {
             }
         }
         self.opened = if by_sync { Some(at) } else { self.nominal };
-        self.set_aside = None;
         self.open = true;
         self.number += 1;
     }
