@@ -1,6 +1,6 @@
-//! Opening and closing of cycles, from time stamps alone.
+//! Opening and closing of cycles, by time stamps, and by alive counters where these disagree.
 //!
-//! Sync opens a cycle where it is configured; otherwise the first transducer frame about a sample
+//! Sync opens a cycle where it is configured and comes; otherwise the first transducer frame about a sample
 //! time after the last opening does. Readings come first and the command that answers them follows,
 //! so a valve frame never opens a cycle. It closes a deadline after its opening. When the deadline
 //! of the next cycle passes without an opening, that cycle is missing.
