@@ -265,6 +265,9 @@ impl<'a> Connector<'a> {
             lengths: (lowest - half_count, highest + half_count),
             frozen: self.settings.cycles(plausibility.frozen).max(1),
             travel: way.min(self.settings.comparator.bound),
+            // A rod that was pushed against its stop left it 15 mm of command later. A slowest command of nearly nothing
+            // must not make a rod at rest frozen.
+            driven: (30.0 * way).max(20.0 * self.settings.comparator.bound),
         }
     }
 

@@ -328,7 +328,7 @@ mod tests {
 
     /// Fields valid, position and σ of the frame for an estimate.
     fn sent(position: f64, sigma: f64, valid: bool) -> [u64; 3] {
-        let estimate = Estimate { position, sigma, source: Source::Both, valid };
+        let estimate = Estimate { position, sigma, source: Source::Both, valid, without: 0.0 };
         let mut encoder = Encoder::new(81).expect("81 is a node");
         let frame = encoder.estimate(Timestamp::default(), 5, Some(&estimate));
         let data = frame.as_frame().data();
