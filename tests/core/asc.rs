@@ -187,7 +187,7 @@ fn times_of_day_count_from_midnight_and_others_from_the_date() {
 fn a_frame_with_a_name_has_its_identifier_at_the_end() {
     let head = "base hex timestamps absolute\n";
     let lines = "0.1 1  Rig_Transducers                Rx   d 4 05 32 05 3A  Length = 160000 BitCount = 84 ID = 513\n\
-                 0.2 1  Engine                         Tx   d 1 A1  Length = 1 BitCount = 2 ID = 419360000x\n\
+                 0.2 1  Engine                         Tx   d 1 A1  Length = 1 BitCount = 2 ID = 419361024x\n\
                  0.3 1  Valve  Rx   r 2  Length = 1 BitCount = 2 ID = 529\n\
                  0.4 1  4D  Rx   d 1 A1  Length = 1 BitCount = 2 ID = 77\n";
     let (frames, statistics) = read(format!("{head}{lines}").as_bytes());
