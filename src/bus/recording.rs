@@ -198,7 +198,8 @@ impl Recording {
     #[inline(never)]
     fn read_new(&mut self) -> Option<usize> {
         self.count();
-        if self.sorting.is_some() {
+        // Of deltas each counts from the line before.
+        if self.sorting.is_some() || self.time_stamps == TimeStamps::Delta {
             return None;
         }
         self.reader.as_ref().filter(|(format, _)| std::ptr::eq(*format, &candump::FORMAT))?;
@@ -264,16 +265,11 @@ impl Recording {
                     self.common = Common::new();
                     self.sorting = Some(Box::new(Sorting::watching()));
                 }
-                if let Some(sorting) = &mut self.sorting {
-                    if sorting.put(&self.frame, interface) {
-                        // Counted where it stands, and as a frame when it is its turn.
-                        self.statistics.lines += 1;
-                        self.buffer.consume(taken);
-                        return Ok(Step::On);
-                    }
-                    if sorting.is_done() {
-                        self.sorting = None;
-                    }
+                if Sorting::holds(&mut self.sorting, &self.frame, interface) {
+                    // Counted where it stands, and as a frame when it is its turn.
+                    self.statistics.lines += 1;
+                    self.buffer.consume(taken);
+                    return Ok(Step::On);
                 }
                 self.statistics.add_frame(self.frame.kind, interface);
                 let selected = self.selection.judge(interface);
@@ -324,7 +320,7 @@ impl Recording {
     }
 
     /// Looks whether the beginning of the next input is out of the order of time, or, of one that is no file, has its first
-    /// frames watched.
+    /// frames looked at before they are given.
     fn watch(&mut self, place: &InputPlace) {
         if self.is_sorting() {
             return;
@@ -332,7 +328,8 @@ impl Recording {
         match order::is_late(place) {
             Some(true) => self.sort(Sorting::on()),
             Some(false) => {}
-            None => self.sort(Sorting::watching()),
+            None if self.sorting.is_none() => self.sort(Sorting::looking()),
+            None => {}
         }
     }
 

@@ -4,7 +4,7 @@
 //! the right time stamps in the wrong order. A clock that was set back looks the same for one frame. But then the time
 //! stamps of each identifier go back, while in a buffer they are in order.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use crate::frame::Frame;
@@ -21,6 +21,9 @@ pub const WINDOW: Span = Span::from_nanos(10_000_000_000);
 const MOST_HELD: usize = 1 << 17;
 /// Frames that are watched after one that may be late.
 const WATCHED: u32 = 8192;
+/// Time, and most frames, that are looked at before the first one is given, of what is no file.
+const LOOKED: Span = Span::from_nanos(5_000_000_000);
+const MOST_LOOKED: usize = 4096;
 /// Most identifiers whose newest time stamps are kept, and most interfaces.
 const MOST_IDS: usize = 4096;
 const MOST_NAMES: usize = 256;
@@ -95,12 +98,24 @@ impl Watch {
 /// A frame, and the name of its interface.
 type Named = (Frame, Arc<[u8]>);
 
+/// What is done with the frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// They are held back as they come, until it is known whether they are out of order.
+    Looking,
+    /// They are given as they come, and so many are still to be watched.
+    Watching(u32),
+    /// They are sorted.
+    Sorting,
+}
+
 /// Sorts the frames of a recording that is out of order, and watches whether it is.
 #[derive(Debug)]
 pub struct Sorting {
     watch: Watch,
-    /// Frames that are still to be watched; `None` once they are sorted.
-    left: Option<u32>,
+    stage: Stage,
+    /// Frames that are looked at, as they came.
+    looked: VecDeque<Named>,
     /// Frames by their time stamps, equal ones as they came.
     held: BTreeMap<(Timestamp, u64), Named>,
     count: u64,
@@ -139,9 +154,24 @@ impl Lateness {
 impl Sorting {
     /// Watches the next frames, which are given as they come.
     pub fn watching() -> Self {
+        Self::at(Stage::Watching(WATCHED))
+    }
+
+    /// Looks at the next frames before the first one is given.
+    pub fn looking() -> Self {
+        Self::at(Stage::Looking)
+    }
+
+    /// Sorts from the beginning.
+    pub fn on() -> Self {
+        Self::at(Stage::Sorting)
+    }
+
+    fn at(stage: Stage) -> Self {
         Self {
             watch: Watch::default(),
-            left: Some(WATCHED),
+            stage,
+            looked: VecDeque::new(),
             held: BTreeMap::new(),
             count: 0,
             set_back: None,
@@ -151,18 +181,19 @@ impl Sorting {
         }
     }
 
-    /// Sorts from the beginning.
-    pub fn on() -> Self {
-        Self { left: None, ..Self::watching() }
+    pub fn is_on(&self) -> bool {
+        self.stage == Stage::Sorting
     }
 
-    pub const fn is_on(&self) -> bool {
-        self.left.is_none()
-    }
-
-    /// Whether the frames that were to be watched are in order.
-    pub fn is_done(&self) -> bool {
-        self.left == Some(0)
+    /// Passes the next frame to the `sorting`, if there is one, which ends once enough frames are in order; returns whether
+    /// the frame is held back.
+    pub fn holds(sorting: &mut Option<Box<Self>>, frame: &Frame, interface: &[u8]) -> bool {
+        let Some(it) = sorting else { return false };
+        let holds = it.put(frame, interface);
+        if it.stage == Stage::Watching(0) {
+            *sorting = None;
+        }
+        holds
     }
 
     /// Ends an input; returns whether it had a frame.
@@ -171,17 +202,27 @@ impl Sorting {
     }
 
     /// Takes the next frame; returns whether it is held back.
-    pub fn put(&mut self, frame: &Frame, interface: &[u8]) -> bool {
+    fn put(&mut self, frame: &Frame, interface: &[u8]) -> bool {
         self.has_frame = true;
         let (place, name) = self.watch.name(interface);
         let order = self.watch.take(frame, place);
-        if let Some(left) = self.left {
-            if self.watch.late < EVIDENCE {
-                self.left = Some(left.saturating_sub(1));
+        let is_late = self.watch.late >= EVIDENCE;
+        match &mut self.stage {
+            Stage::Watching(left) if !is_late => {
+                *left = left.saturating_sub(1);
                 self.given = Some(frame.timestamp);
                 return false;
             }
-            self.left = None;
+            Stage::Looking if !is_late => {
+                self.looked.push_back((frame.clone(), name));
+                self.look();
+                return true;
+            }
+            stage => *stage = Stage::Sorting,
+        }
+        // What was looked at is sorted, too, once it shows that frames are late.
+        for (frame, name) in std::mem::take(&mut self.looked) {
+            self.hold(frame, name);
         }
         match order {
             Order::SetBack => {
@@ -200,6 +241,15 @@ impl Sorting {
         true
     }
 
+    /// Ends the look at the first frames once there are enough in order.
+    fn look(&mut self) {
+        let ends = [self.looked.front(), self.looked.back()];
+        let [Some((first, _)), Some((last, _))] = ends else { return };
+        if last.timestamp.since(first.timestamp) > LOOKED || self.looked.len() >= MOST_LOOKED {
+            self.stage = Stage::Watching(WATCHED);
+        }
+    }
+
     fn hold(&mut self, frame: Frame, name: Arc<[u8]>) {
         self.count += 1;
         self.held.insert((frame.timestamp, self.count), (frame, name));
@@ -207,25 +257,38 @@ impl Sorting {
 
     /// The next frame, if none that is still to come should be before it.
     pub fn take(&mut self) -> Option<Named> {
-        let is_due = match (self.held.first_key_value(), self.watch.newest) {
-            (Some(((first, _), _)), Some(newest)) => {
-                newest.since(*first) > WINDOW || self.held.len() > MOST_HELD
+        if !self.looked.is_empty() {
+            let is_over = self.stage != Stage::Looking;
+            return if is_over { self.take_any() } else { None };
+        }
+        if self.set_back.is_some() {
+            if !self.held.is_empty() {
+                return self.take_any();
             }
-            _ => false,
-        };
-        if is_due || self.set_back.is_some() { self.take_any() } else { None }
+            self.go_on_behind();
+        }
+        let ((first, _), _) = self.held.first_key_value()?;
+        let waited = self.watch.newest.map_or(Span::ZERO, |newest| newest.since(*first));
+        let is_due = waited > WINDOW || self.held.len() > MOST_HELD;
+        if is_due { self.take_any() } else { None }
     }
 
     /// The next frame, since none comes that should be before it.
     pub fn take_any(&mut self) -> Option<Named> {
-        let next = match self.held.pop_first() {
-            Some((_, next)) => next,
-            None => {
-                self.given = None;
-                self.set_back.take()?
-            }
-        };
+        if self.looked.is_empty() && self.held.is_empty() {
+            self.go_on_behind();
+        }
+        let held = || self.held.pop_first().map(|(_, next)| next);
+        let next = self.looked.pop_front().or_else(held)?;
         self.given = Some(next.0.timestamp);
         Some(next)
+    }
+
+    /// Goes on behind the place at which the clock was set back.
+    fn go_on_behind(&mut self) {
+        if let Some((frame, name)) = self.set_back.take() {
+            self.given = None;
+            self.hold(frame, name);
+        }
     }
 }
