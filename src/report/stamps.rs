@@ -47,8 +47,8 @@ pub fn unusable(
     let is_short = first < LEAST_ABSOLUTE && first.after(length) < LEAST_ABSOLUTE;
     if is_short && counts.used >= FRAMES && counts.backwards >= counts.used / BACKWARDS {
         return Some(format!(
-            "{} of {} have a time stamp before that of the frame ahead of them, as where each counts from the frame \
-             before: replay with --time-stamps delta",
+            "{} of {} have an earlier time stamp than a frame ahead of them, as where each counts from the frame before: \
+             replay with --time-stamps delta",
             counts.backwards,
             counted(counts.used, "frame"),
         ));

@@ -51,10 +51,11 @@ fn time_stamps_since_the_frame_before_are_told_and_read_on_request() {
         format!("{step:017.6}")
     };
     let deltas = scratch.write("deltas.log", stamped(&log, delta));
-    is_unjudged(&deltas, &["a time stamp before that of the frame ahead", "--time-stamps delta"]);
-    let read = replay(&[&deltas], HANGING_LOAD, &["--time-stamps", "delta"]).ok().summary();
-    let right = replay(&[&scratch.write("right.log", &log)], HANGING_LOAD, &[]).ok().summary();
-    assert_eq!((&read["cycles"], &read["incidents"]), (&right["cycles"], &right["incidents"]));
+    is_unjudged(&deltas, &["an earlier time stamp than a frame ahead", "--time-stamps delta"]);
+    let read = replay(&[&deltas], HANGING_LOAD, &["--time-stamps", "delta"]).ok();
+    let right = replay(&[&scratch.write("right.log", &log)], HANGING_LOAD, &[]).ok();
+    assert_eq!(read.summary()["cycles"], right.summary()["cycles"]);
+    assert_eq!(read.incidents().len(), right.incidents().len());
 }
 
 /// Whatever the reason: too few cycles for an observer are no sign of health.
@@ -88,7 +89,6 @@ fn what_a_logger_wrote_late_is_judged_as_if_it_were_sorted() {
     assert_eq!((found.incidents(), found.summary()), (right.incidents(), right.summary()));
     let page = tertius(&["replay", &late, "--config", E_TYPE], b"").ok().stdout;
     assert!(page.contains("No incident") && page.contains("wrote late (sorted)"), "{page}");
-    // By a pipe it is known only after a while.
     let piped = tertius(
         &["replay", "-", "--config", E_TYPE, "--format", "jsonl"],
         scratch.read("late.log").as_bytes(),
