@@ -97,7 +97,7 @@ fn a_clock_that_was_set_back_is_left_as_it_is() {
         let after = in_order(120).split_off(60 * 200);
         let set = |it: Frame| {
             let at = it.timestamp.after(Span::from_nanos(-back * MS));
-            Frame { timestamp: at, ..it }
+            Frame::new(at, it.id, it.kind, it.data())
         };
         let written: Vec<Frame> = before.into_iter().chain(after.into_iter().map(set)).collect();
         let (found, statistics) = read_file(&log(&written));
