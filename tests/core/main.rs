@@ -51,4 +51,5 @@ mod stops;
 mod survey;
 mod trc;
 mod unlearnt_commands;
+mod unsorted;
 mod year;
