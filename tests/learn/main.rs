@@ -11,6 +11,7 @@ mod identify_census;
 mod identify_command;
 mod identify_support;
 mod in_place;
+mod last;
 mod lasting_step;
 mod learned_configuration;
 mod learning_support;
