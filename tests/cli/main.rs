@@ -36,4 +36,5 @@ mod report;
 mod residuals;
 mod schema;
 mod simulate;
+mod single;
 mod state;
