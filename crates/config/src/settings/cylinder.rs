@@ -12,7 +12,7 @@ table! {
         n: u8 => whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
             "1", "which cylinder";
         c2: bool = true => Kind::One(Scalar::Switch),
-            "false", "whether it has a C2; false: C1 is its only transducer, although others have both";
+            "true", "whether it has a C2; false: C1 is its only transducer, although other cylinders have both";
         c2_gain: f64 = 1.0 =>
             number(Limits::least(0.5, "both transducers measure the same stroke, so a is close to 1").most(2.0)),
             "1.0", "a of (5-20)";
