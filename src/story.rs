@@ -25,6 +25,15 @@ pub const fn suspect(suspect: Suspect) -> &'static str {
     }
 }
 
+/// As [`suspect`], about a cylinder that may have C1 alone.
+pub const fn suspect_of(whom: Suspect, is_alone: bool) -> &'static str {
+    match whom {
+        Suspect::Undecided if is_alone => "C1 or the cylinder",
+        Suspect::Process if is_alone => "not C1",
+        other => suspect(other),
+    }
+}
+
 /// What is wrong: `step of 1.21 mm`, `frozen reading`.
 pub fn kind(incident: &Incident) -> String {
     if let Some(gain) = incident.gain {
@@ -88,11 +97,11 @@ const fn fault(fault: Fault) -> &'static str {
     }
 }
 
-/// Whom an incident is about, in a sentence: `C1`, `neither transducer`.
-pub const fn whom(whom: Suspect) -> &'static str {
+/// Whom an incident is about, in a sentence: `C1`, `neither transducer`; about a cylinder that may have C1 alone.
+pub const fn whom(whom: Suspect, is_alone: bool) -> &'static str {
     match whom {
-        Suspect::Process => "neither transducer",
-        other => suspect(other),
+        Suspect::Process if !is_alone => "neither transducer",
+        other => suspect_of(other, is_alone),
     }
 }
 
@@ -106,7 +115,7 @@ pub fn worst(incident: &Incident) -> String {
 
 /// The incident in a line, without its time: `cylinder 5, C1, black: growing error, 65.8 mm off (limit 50.0 mm)`.
 pub fn line(incident: &Incident) -> String {
-    let whom = whom(incident.suspect);
+    let whom = whom(incident.suspect, incident.is_alone());
     let worst = worst(incident);
     let separator = if worst.is_empty() { "" } else { ", " };
     let (cylinder, level, kind) = (incident.cylinder, incident.level.name(), kind(incident));
@@ -148,6 +157,11 @@ pub fn advice(incident: &Incident) -> String {
             there, the model no longer fits: identify it on a newer recording."
                 .to_owned()
         }
+        (Suspect::Undecided, _) if incident.is_alone() => {
+            "Drive the cylinder to its end stop: if C1 reads another length there than before, it is at fault. \
+            Otherwise look at the cylinder, its valve and its supply."
+                .to_owned()
+        }
         (Suspect::Undecided, _) => {
             "Drive the cylinder to its end stop: the transducer that reads another \
             length there than before is the one at fault."
@@ -156,13 +170,26 @@ pub fn advice(incident: &Incident) -> String {
         (_, Fault::Stale | Fault::BrokenWire | Fault::Frozen) => {
             format!("Check the cable, the connector and the supply of {whom}.")
         }
-        (_, Fault::Noise) => format!("Check the screen, the earth and the connector of {whom}."),
+        (_, Fault::Noise) => {
+            format!("Check the screen, the earth and the connector of {whom}.{}", otherwise(incident))
+        }
         (_, Fault::OutOfRange | Fault::Abrupt) => {
-            format!("Check the connector, the cable and the magnet of {whom}.")
+            let otherwise = otherwise(incident);
+            format!("Check the connector, the cable and the magnet of {whom}.{otherwise}")
         }
         (_, Fault::Incipient | Fault::Unclassified) => {
-            format!("Check the mounting and the magnet of {whom}, and have it calibrated.")
+            let otherwise = otherwise(incident);
+            format!("Check the mounting and the magnet of {whom}, and have it calibrated.{otherwise}")
         }
+    }
+}
+
+/// Where else to look if nothing is wrong with C1: alone, its observer cannot tell it from the cylinder.
+fn otherwise(incident: &Incident) -> &'static str {
+    if incident.is_alone() && incident.part(WarningPlace::Fde1).is_some() {
+        " If nothing is wrong there, look at the cylinder, its valve and its supply."
+    } else {
+        ""
     }
 }
 

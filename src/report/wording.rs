@@ -58,7 +58,7 @@ pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
     [
         zone.time(incident.begin),
         incident.cylinder.to_string(),
-        story::suspect(incident.suspect).to_owned(),
+        story::suspect_of(incident.suspect, incident.is_alone()).to_owned(),
         incident.level.name().to_owned(),
         story::kind(incident),
         off,
@@ -217,7 +217,7 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
 pub fn episode_line(first: Timestamp, episode: &Episode) -> String {
     let [at, _, _, detector, fault, _, level, residual, limit, lasted] =
         episode_row(first, episode);
-    let whom = story::whom(episode.finding.suspect);
+    let whom = story::whom(episode.finding.suspect, false);
     let detector = match episode.detector.basis() {
         Basis::Residual(_) | Basis::Readings => detector,
         Basis::Samples | Basis::Lengths => format!("{detector} detector"),

@@ -22,7 +22,15 @@ pub fn evidence(incident: &Incident) -> String {
     let mut clauses = in_time(observed(incident));
     clauses.extend(quiet(incident));
     clauses.extend(testimony(incident));
+    let is_alone = incident.is_alone();
+    let by_observer = incident.part(WarningPlace::Fde1).is_some()
+        && incident.part(WarningPlace::PlausibilityOfC1).is_none();
     let conclusion = match incident.suspect {
+        Suspect::C1 if is_alone && by_observer => {
+            "there is no second transducer to ask, so C1 is blamed"
+        }
+        Suspect::Process if is_alone => "so it is not C1",
+        Suspect::Undecided if is_alone => "whether it is C1 or the cylinder is not known",
         Suspect::C1 => "so it is C1",
         Suspect::C2 => "so it is C2",
         Suspect::Process => "so it is neither transducer",
@@ -162,7 +170,8 @@ fn testimony(incident: &Incident) -> Option<String> {
 /// The observers that did not rise, and whether they judged at all.
 fn quiet(incident: &Incident) -> Vec<String> {
     let quiet = |(place, quantity, name): &(WarningPlace, Quantity, &str)| {
-        if incident.part(*place).is_some() {
+        let is_there = incident.limits[*quantity as usize].is_finite();
+        if incident.part(*place).is_some() || !is_there {
             return None;
         }
         Some(match incident.peaks[*quantity as usize] {

@@ -36,5 +36,6 @@ mod report;
 mod residuals;
 mod schema;
 mod simulate;
+mod single;
 mod stamps;
 mod state;

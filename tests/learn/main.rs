@@ -19,6 +19,7 @@ mod nonlinear;
 mod order;
 mod rates;
 mod report_learning;
+mod single;
 mod tuning;
 mod update;
 mod valve;

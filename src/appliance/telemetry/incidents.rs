@@ -16,8 +16,8 @@ pub(super) struct Incidents {
     pub opened: Total,
 }
 
-/// An incident in two words, of which the first is zero without one: its number in the upper half, then level,
-/// suspect and fault, a byte each.
+/// An incident in two words, of which the first is zero without one: its number in the upper half, then whether its
+/// cylinder has C1 alone, level, suspect and fault, a byte each.
 #[derive(Debug, Default)]
 struct Slot {
     packed: AtomicU64,
@@ -31,6 +31,8 @@ pub struct OpenSlot {
     pub level: Level,
     pub suspect: Suspect,
     pub fault: Fault,
+    /// Whether its cylinder has C1 alone.
+    pub is_alone: bool,
     /// Time stamp of its first warning.
     pub begin: Timestamp,
 }
@@ -54,7 +56,8 @@ pub struct OpenIncident {
 impl OpenSlot {
     /// In words: `cylinder 5, C1, black: growing error`.
     pub fn summary(&self, cylinder: usize) -> String {
-        let (whom, kind) = (story::whom(self.suspect), story::what(self.suspect, self.fault));
+        let (whom, kind) =
+            (story::whom(self.suspect, self.is_alone), story::what(self.suspect, self.fault));
         format!("cylinder {cylinder}, {whom}, {}: {kind}", self.level.name())
     }
 }
@@ -75,10 +78,13 @@ impl Incidents {
         }
         let free = |slot: &&Slot| slot.packed.load(Ordering::Relaxed) == 0;
         let Some(slot) = known.or_else(|| self.slots.iter().find(free)) else { return };
-        let level = incident.level as u64;
+        let (level, alone) = (incident.level as u64, u64::from(incident.is_alone()));
         let (suspect, fault) = (incident.suspect as u64, incident.fault as u64);
         slot.begin.store(incident.begin.as_nanos(), Ordering::Relaxed);
-        slot.packed.store(number << 32 | level << 16 | suspect << 8 | fault, Ordering::Release);
+        slot.packed.store(
+            number << 32 | alone << 24 | level << 16 | suspect << 8 | fault,
+            Ordering::Release,
+        );
     }
 
     /// Forgets all of them: another monitor counts anew.
@@ -94,6 +100,7 @@ impl Incidents {
             let byte = |shift: u32| (packed >> shift & 0xFF) as usize;
             Some(OpenSlot {
                 number,
+                is_alone: byte(24) != 0,
                 level: *Level::ALL.get(byte(16))?,
                 suspect: *Suspect::ALL.get(byte(8))?,
                 fault: *Fault::ALL.get(byte(0))?,

@@ -146,9 +146,10 @@ impl<'a> Connector<'a> {
     fn connect_cylinder(&mut self, n: u8) -> Option<CylinderDesign> {
         let before = self.flaws.len();
         let signals = &self.settings.signals.cylinder;
+        let second = signals.c2.as_deref().filter(|_| self.settings.has_c2(n));
         let limits = [
             self.connect_transducer(n, Transducer::C1, Some(&signals.c1)),
-            self.connect_transducer(n, Transducer::C2, signals.c2.as_deref()),
+            self.connect_transducer(n, Transducer::C2, second),
         ];
         self.connect(n, "control_speed", Some(&signals.control_speed), Field::Command);
         let required = self.connected(n);

@@ -208,7 +208,7 @@ impl Cylinder {
     }
 
     pub const fn has(&self, transducer: Transducer) -> bool {
-        self.design.required & Field::Position(transducer).bit() != 0
+        self.design.has(transducer)
     }
 
     /// Whether every configured transducer was judged by its observer in the newest cycle.

@@ -236,7 +236,7 @@ impl Cylinder {
         core::array::from_fn(|i| {
             let blamed = [Suspect::C1, Suspect::C2][i];
             if !self.has(TRANSDUCERS[i]) {
-                Health::Unknown
+                Health::NotFitted
             } else if stands(blamed) {
                 Health::Faulty
             } else if stands(Suspect::Undecided) {
