@@ -31,7 +31,7 @@ const MOST_NAMES: usize = 256;
 /// Where a frame is in the order of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Order {
-    InOrder,
+    Sorted,
     /// By so much it is late.
     Late(Span),
     /// The clock behind the stamps was set back.
@@ -65,7 +65,7 @@ impl Watch {
         let order = match before {
             Some(before) if before.since(at) > LATE => Order::SetBack,
             Some(_) if behind > LATE => Order::Late(behind),
-            _ => Order::InOrder,
+            _ => Order::Sorted,
         };
         match order {
             Order::SetBack => {
@@ -73,7 +73,7 @@ impl Watch {
                 (self.newest, self.late) = (Some(at), 0);
             }
             Order::Late(_) => self.late = self.late.saturating_add(1),
-            Order::InOrder => self.newest = self.newest.max(Some(at)),
+            Order::Sorted => self.newest = self.newest.max(Some(at)),
         }
         if before.is_some() || self.by_id.len() < MOST_IDS {
             self.by_id.insert(key, at);
@@ -235,7 +235,7 @@ impl Sorting {
                 self.lateness.lost += u64::from(is_lost);
                 self.lateness.most = self.lateness.most.max(span);
             }
-            Order::InOrder => {}
+            Order::Sorted => {}
         }
         self.hold(frame.clone(), name);
         true

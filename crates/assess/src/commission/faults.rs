@@ -144,6 +144,6 @@ mod tests {
             let within = planned.iter().filter(|it| (from..to).contains(&it.begin[0])).count();
             assert!(within >= 8, "{within} in {from}");
         }
-        assert_eq!(plan(&blocks, &[1], false).len(), KINDS.len() * EACH);
+        assert_eq!(plan(&blocks, &[1], |_| false).len(), KINDS.len() * EACH);
     }
 }

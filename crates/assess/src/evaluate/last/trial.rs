@@ -70,7 +70,9 @@ impl Drawn {
             Leg { pair: Pair { cylinder, last, other }, outage, at, signs }
         });
         let mut legs: Vec<Leg> = legs.collect();
-        legs.retain(|leg| cylinders == 1 || (u32::from(leg.pair.cylinder) + number) % 2 == 0);
+        legs.retain(|leg| {
+            cylinders == 1 || (u32::from(leg.pair.cylinder) + number).is_multiple_of(2)
+        });
         Self { seed, sea, legs }
     }
 }
