@@ -28,7 +28,6 @@ mod reason;
 mod recording;
 mod selection;
 pub mod socket;
-mod sorting;
 mod source;
 mod statistics;
 mod unrestricted;
@@ -48,7 +47,6 @@ pub use progress::Progress;
 pub use reason::{Found, Reason};
 pub use recording::Recording;
 pub use selection::{Ambiguous, Interfaces, Selected, Selection, SeveralInterfaces};
-pub use sorting::Lateness;
 pub use source::{Source, SourceError};
 pub use statistics::{
     BadLine, BadPlace, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN,

@@ -1,6 +1,5 @@
 //! Checks whether recordings are named in the order of time.
 
-use std::fs::Metadata;
 use std::path::PathBuf;
 
 use crate::frame::{BusNumber, Frame};
@@ -10,7 +9,6 @@ use super::format::{End, Item, TimeStamps, Unread, blank_frame};
 use super::formats;
 use super::input::{Input, InputPlace};
 use super::selection::Interfaces;
-use super::sorting::Watch;
 use super::source::SourceError;
 
 /// Number of bytes of a recording that are looked at at a time.
@@ -83,22 +81,10 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
     }
 }
 
-/// Whether the beginning of a file has frames that were written late; `None` where it is not a file. What is read as a
-/// whole is not looked at.
-pub fn is_late(place: &InputPlace) -> Option<bool> {
-    let InputPlace::File(path) = place else { return None };
-    path.metadata().ok().filter(Metadata::is_file)?;
-    let mut watch = Watch::default();
-    let found = first_frames(place, LOOK, false, |frame, interface, _| {
-        watch.finds_late(frame, interface).then_some(())
-    });
-    Some(found.is_some())
-}
-
 /// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
 fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
     let mut first = None;
-    let found = first_frames(place, LOOK, true, |frame, interface, absolute| {
+    let found = first_frames(place, LOOK, |frame, interface, absolute| {
         first = first.or(absolute.then_some(frame.timestamp));
         (absolute && interfaces.mean(interface)).then_some(frame.timestamp)
     });
@@ -110,7 +96,7 @@ fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
 /// beginning is looked at, up to [`LOOK_FOR_BUSES`], unless it has all of them.
 pub fn first_buses(place: &InputPlace, interfaces: &Interfaces, several: usize) -> Vec<BusNumber> {
     let mut buses = Vec::new();
-    first_frames(place, LOOK_FOR_BUSES, true, |_, interface, _| {
+    first_frames(place, LOOK_FOR_BUSES, |_, interface, _| {
         let bus = interfaces.bus(interface).filter(|bus| !buses.contains(bus));
         buses.extend(bus);
         (buses.len() >= several).then_some(())
@@ -119,11 +105,10 @@ pub fn first_buses(place: &InputPlace, interfaces: &Interfaces, several: usize) 
 }
 
 /// Passes the first frames of a file, those in `look` of its bytes, to `find`, with their interface and whether their
-/// time stamp is absolute, until it finds something; none of a file that is read as a `whole`, unless that is wanted.
+/// time stamp is absolute, until it finds something.
 fn first_frames<T>(
     place: &InputPlace,
     look: usize,
-    whole: bool,
     mut find: impl FnMut(&Frame, &[u8], bool) -> Option<T>,
 ) -> Option<T> {
     let InputPlace::File(path) = place else { return None };
@@ -132,7 +117,7 @@ fn first_frames<T>(
     let mut input = is_file.then(|| InputPlace::File(path.to_owned()).open().ok())??;
     let (mut bytes, mut end) = (Vec::new(), End::Open);
     fill(&mut input, &mut bytes, &mut end);
-    let format = formats::recognise(&bytes, true).filter(|format| whole || !format.is_whole)?;
+    let format = formats::recognise(&bytes, true)?;
     let mut reader = (format.reader)(TimeStamps::Absolute);
     let (mut frame, mut used, mut frames) = (blank_frame(), 0, 0);
     let mut looked = bytes.len();

@@ -1,7 +1,5 @@
 //! A recording: several inputs in turn, each in its own format, as a source of frames.
 
-mod reading;
-
 use std::collections::VecDeque;
 use std::io::Read;
 use std::path::Path;
@@ -22,19 +20,16 @@ use super::order;
 use super::progress::Progress;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
-use super::sorting::{LATE, Sorting};
 use super::source::{Source, SourceError};
 use super::statistics::{BadPlace, Statistics};
 
 /// The frames of recordings, one file after the other; those of several buses ([`Interfaces::Several`]) merged by their
-/// time stamps, from one file or each from its own. Frames of a file that a logger wrote late are sorted
-/// (see [`super::sorting`]).
+/// time stamps, from one file or each from its own.
 ///
 /// Frames and counts depend on the bytes alone, not on the sizes of the reads. Memory is bounded
 /// for any input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
 /// kilobytes of frames that wait until it is known whether their interface is meant. Of a format whose
-/// frames are found only in the whole input (MDF), also that input, up to 1 GiB. Of one that is sorted, also the frames
-/// of ten seconds, up to 14 MB.
+/// frames are found only in the whole input (MDF), also that input, up to 1 GiB.
 pub struct Recording {
     places: VecDeque<InputPlace>,
     input: Option<Input>,
@@ -61,8 +56,6 @@ pub struct Recording {
     /// Bytes of the inputs before the current one.
     consumed_before: u64,
     total: Option<u64>,
-    /// Frames that are watched or sorted, each of which then takes the slow way.
-    sorting: Option<Box<Sorting>>,
     /// The recordings of several buses, by which everything is read then.
     merge: Option<Box<Merge>>,
 }
@@ -133,7 +126,6 @@ impl Recording {
             frames_before: 0,
             consumed_before: 0,
             total,
-            sorting: None,
             merge: None,
         }
     }
@@ -142,9 +134,6 @@ impl Recording {
     pub fn statistics(&mut self) -> &Statistics {
         if let Some(merge) = &mut self.merge {
             self.statistics = merge.statistics();
-        }
-        if let Some(sorting) = &self.sorting {
-            self.statistics.lateness = sorting.lateness;
         }
         self.count();
         &self.statistics
@@ -198,10 +187,6 @@ impl Recording {
     #[inline(never)]
     fn read_new(&mut self) -> Option<usize> {
         self.count();
-        // Of deltas each counts from the line before.
-        if self.sorting.is_some() || self.time_stamps == TimeStamps::Delta {
-            return None;
-        }
         self.reader.as_ref().filter(|(format, _)| std::ptr::eq(*format, &candump::FORMAT))?;
         let (statistics, selection) = (&self.statistics, &self.selection);
         let (interfaces, is_open) = (&self.interfaces, self.held.is_empty());
@@ -212,26 +197,7 @@ impl Recording {
             // What is not wanted is on no bus.
             Some(Known { place, wanted, bus: interfaces.bus(name).unwrap_or_default() })
         };
-        let before = self.frame.timestamp;
-        let read = self.common.read_new(self.buffer.unread(), &mut self.frame, find);
-        // Seen where a line is of another second or interface than the one before it, which costs other lines nothing.
-        if read.is_some() && before.since(self.frame.timestamp) > LATE {
-            self.sort(Sorting::watching());
-            return None;
-        }
-        read
-    }
-
-    /// Sorts or watches the frames from here on.
-    #[cold]
-    fn sort(&mut self, sorting: Sorting) {
-        self.count();
-        self.common = Common::new();
-        self.sorting = Some(Box::new(sorting));
-    }
-
-    fn is_sorting(&self) -> bool {
-        self.sorting.as_ref().is_some_and(|sorting| sorting.is_on())
+        self.common.read_new(self.buffer.unread(), &mut self.frame, find)
     }
 
     /// Handles the next line or record, or whatever else comes next.
@@ -243,12 +209,8 @@ impl Recording {
             self.frame = frame;
             return Ok(Step::Frame);
         }
-        if let Some((frame, interface)) = self.sorting.as_mut().and_then(|it| it.take()) {
-            return self.sorted(frame, &interface);
-        }
         if self.input.is_none() {
             let Some(place) = self.places.pop_front() else { return self.merged_or_end() };
-            self.watch(&place);
             self.input = Some(place.open()?);
         }
         let Some((_, reader)) = &mut self.reader else { return Ok(self.recognise()) };
@@ -258,19 +220,8 @@ impl Recording {
             (true, true) => End::Lost,
         };
         let unread = Unread { bytes: self.buffer.unread(), end };
-        let before = self.frame.timestamp;
         match reader.read(unread, &mut self.frame) {
             Item::Frame { taken, interface, .. } => {
-                if self.sorting.is_none() && before.since(self.frame.timestamp) > LATE {
-                    self.common = Common::new();
-                    self.sorting = Some(Box::new(Sorting::watching()));
-                }
-                if Sorting::holds(&mut self.sorting, &self.frame, interface) {
-                    // Counted where it stands, and as a frame when it is its turn.
-                    self.statistics.lines += 1;
-                    self.buffer.consume(taken);
-                    return Ok(Step::On);
-                }
                 self.statistics.add_frame(self.frame.kind, interface);
                 let selected = self.selection.judge(interface);
                 self.frame.bus = self.interfaces.bus(interface).unwrap_or_default();
@@ -299,6 +250,19 @@ impl Recording {
         }
     }
 
+    /// Finds out the current input's format, as soon as it shows.
+    fn recognise(&mut self) -> Step {
+        let unread = self.buffer.unread();
+        let whole = self.buffer.ended() || unread.len() >= HEAD;
+        match formats::recognise(&unread[..unread.len().min(HEAD)], whole) {
+            Some(format) => {
+                self.reader = Some((format, (format.reader)(self.time_stamps)));
+                Step::On
+            }
+            None => self.fill(),
+        }
+    }
+
     /// Returns, holds back or leaves out the frame that was read.
     fn give(&mut self, selected: Selected) -> Result<Step, SourceError> {
         match selected {
@@ -319,35 +283,8 @@ impl Recording {
         }
     }
 
-    /// Looks whether the beginning of the next input is out of the order of time, or, of one that is no file, has its first
-    /// frames looked at before they are given.
-    fn watch(&mut self, place: &InputPlace) {
-        if self.is_sorting() {
-            return;
-        }
-        match order::is_late(place) {
-            Some(true) => self.sort(Sorting::on()),
-            Some(false) => {}
-            None if self.sorting.is_none() => self.sort(Sorting::looking()),
-            None => {}
-        }
-    }
-
-    /// Returns, holds back or leaves out a frame whose turn it is by its time stamp.
-    fn sorted(&mut self, frame: Frame, interface: &[u8]) -> Result<Step, SourceError> {
-        self.frame = frame;
-        self.statistics.add_frame(self.frame.kind, interface);
-        self.statistics.lines -= 1;
-        let selected = self.selection.judge(interface);
-        self.frame.bus = self.interfaces.bus(interface).unwrap_or_default();
-        self.give(selected.map_err(|_| self.undecided(&self.interfaces))?)
-    }
-
     /// Takes the next frame of several buses, of which this recording has no bytes of its own, or ends.
     fn merged_or_end(&mut self) -> Result<Step, SourceError> {
-        if let Some((frame, interface)) = self.sorting.as_mut().and_then(|it| it.take_any()) {
-            return self.sorted(frame, &interface);
-        }
         let Some(merge) = &mut self.merge else { return self.end() };
         let Some(frame) = merge.next_frame()? else { return Ok(Step::End) };
         self.frame = frame;
@@ -375,6 +312,75 @@ impl Recording {
         };
         let found = self.statistics.interfaces_found();
         SourceError::Interfaces { place, found, configured: interfaces.to_string() }
+    }
+
+    /// Counts the next line or record, of which `shown` bytes may be shown, as bad.
+    fn bad(&mut self, shown: usize, taken: usize, reason: Reason) -> Step {
+        self.statistics.lines += 1;
+        let place = match self.reader {
+            Some((Format { numbered: Numbered::Bytes, .. }, _)) => {
+                BadPlace::Byte(self.buffer.consumed())
+            }
+            _ => BadPlace::Line(self.statistics.lines - self.lines_before),
+        };
+        let file = self.input.as_ref().map_or("", Input::name);
+        self.statistics.add_bad(file, place, &self.buffer.unread()[..shown], reason);
+        self.buffer.consume(taken);
+        Step::On
+    }
+
+    /// Reads more, unless the input has ended, or what is there should be enough.
+    fn more(&mut self) -> Step {
+        let left = self.buffer.unread().len();
+        if self.buffer.ended() {
+            let reason = if self.damaged { Reason::CutOff } else { Reason::Incomplete };
+            return if left == 0 { self.end_input() } else { self.bad(left, left, reason) };
+        }
+        if left > MAX_RECORD {
+            return self.bad(left, left, Reason::RecordTooLong);
+        }
+        self.fill()
+    }
+
+    /// Counts a line that is too long and drops it, however long it is.
+    fn long_line(&mut self) -> Step {
+        self.bad(MAX_LINE, 0, Reason::LineTooLong);
+        // To its very end: what follows within it may look like a line of its own.
+        while !self.buffer.drop_line() && !self.buffer.ended() {
+            self.fill();
+        }
+        Step::On
+    }
+
+    /// Reads more of the current input.
+    fn fill(&mut self) -> Step {
+        if let Some(input) = &mut self.input
+            && let Err(error) = self.buffer.fill(input)
+        {
+            self.damaged = true;
+            self.statistics.add_damage(input.name(), input.explain(&error));
+        }
+        Step::On
+    }
+
+    fn end_input(&mut self) -> Step {
+        if let Some((input, (format, _))) = self.input.take().zip(self.reader.take()) {
+            self.consumed_before += input.consumed();
+            if self.statistics.frames == self.frames_before {
+                let lines = self.statistics.lines - self.lines_before;
+                let flaws = self.statistics.first_bad_lines.iter();
+                // Damage is told by itself.
+                let flaw = flaws.filter(|_| !self.damaged).find(|bad| bad.file == input.name());
+                let barren = Barren::of(&input, format, lines, flaw);
+                self.statistics.add_barren(barren);
+            }
+        }
+        self.damaged = false;
+        self.lines_before = self.statistics.lines;
+        self.frames_before = self.statistics.frames;
+        self.buffer.restart();
+        self.common = Common::new();
+        Step::On
     }
 }
 

@@ -4,7 +4,6 @@ use crate::frame::Kind;
 
 use super::barren::Barren;
 use super::reason::Reason;
-use super::sorting::Lateness;
 
 /// Most bad lines that are kept with their text; further ones are only counted.
 pub const KEPT_BAD_LINES: usize = 5;
@@ -46,8 +45,6 @@ pub struct Statistics {
     pub damage: Vec<Damage>,
     /// The first [`KEPT_BARREN`] inputs without a frame.
     pub barren: Vec<Barren>,
-    /// Frames that were written later than others with later time stamps.
-    pub lateness: Lateness,
 }
 
 /// A line, or a record of a format without lines, that is not a frame.
@@ -148,7 +145,6 @@ impl Statistics {
         self.bad_lines += other.bad_lines;
         self.unlisted_interface_frames += other.unlisted_interface_frames;
         self.damaged_inputs += other.damaged_inputs;
-        self.lateness = self.lateness.and(other.lateness);
         for Interface { name, frames } in &other.interfaces {
             match self.interface(name.as_bytes()) {
                 Some(place) => self.interfaces[place].frames += frames,

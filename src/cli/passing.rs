@@ -2,7 +2,6 @@
 
 use crate::bus::Statistics;
 use crate::report::counted;
-use crate::story;
 
 /// Determines the interface of the newest frame from the counts of the recording.
 #[derive(Default)]
@@ -28,14 +27,6 @@ impl Newest {
 /// Reports the numbers of frames, on standard error, since the recording may be on standard output.
 pub fn report(read: u64, written: u64, statistics: &Statistics) {
     tell!("{} read, {written} written", counted(read, "frame"));
-    let lateness = statistics.lateness;
-    if lateness.sorted > 0 {
-        let (frames, most) = (counted(lateness.sorted, "frame"), story::span(lateness.most));
-        tell!("{frames} written late by the logger, by up to {most}, and sorted");
-    }
-    if lateness.lost > 0 {
-        tell!("{} written too late to be sorted", counted(lateness.lost, "frame"));
-    }
     if statistics.bad_lines > 0 {
         let were = if statistics.bad_lines == 1 {
             "was not a frame and is"

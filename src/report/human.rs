@@ -111,7 +111,6 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         (counts.held, "frame", "that came before the cycle (kept for it)"),
         (counts.bad_signals, "value", "beyond the end of the frame, or not a number"),
         (counts.backwards, "frame", "with a time stamp earlier than the previous one"),
-        (statistics.lateness.sorted, "frame", "that the logger wrote late (sorted)"),
         (counts.time_jumps, "jump", "of the time stamps (everything restarted)"),
         (counts.interruptions, "interruption", "of the bus (everything restarted)"),
         (statistics.error_frames, "error frame", "of the controller"),

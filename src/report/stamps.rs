@@ -3,7 +3,6 @@
 use super::counted;
 use crate::bus::Statistics;
 use crate::monitor::Counts;
-use crate::story;
 use crate::time::{Span, Timestamp};
 
 /// Least time that counts from 1970: nine digits of seconds.
@@ -29,14 +28,6 @@ pub fn unusable(
     Stamped { first, length }: Stamped,
 ) -> Option<String> {
     let frames = statistics.frames - statistics.other_interface_frames;
-    let lateness = statistics.lateness;
-    if lateness.lost > 0 {
-        let (lost, most) = (counted(lateness.lost, "frame"), story::span(lateness.most));
-        return Some(format!(
-            "the recording is not in the order of time: {lost} came too late to be sorted, by up to {most}; sort it by its \
-             time stamps, a candump log by: sort -s -k 1,1 LOG"
-        ));
-    }
     if frames > 1 && length == Span::ZERO && counts.backwards == 0 {
         return Some(
             "every frame has the same time stamp, so it was recorded without time stamps, or with those of a controller \

@@ -49,7 +49,7 @@ fn told(suspect: Suspect, by: Testimony) -> Incident {
 /// The incident of a warning of FDE1 about a cylinder without C2.
 fn alone(suspect: Suspect, fault: Fault) -> Incident {
     let limits = [1e-3, f64::INFINITY, f64::INFINITY, f64::INFINITY];
-    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3]);
     incidents.take(&Warning {
         timestamp: at(1.0),
         cylinder: 3,
@@ -61,7 +61,7 @@ fn alone(suspect: Suspect, fault: Fault) -> Incident {
     let mut newest = None;
     let quantities = [Some(1.2e-3), None, None, None];
     for seconds in [1.0, 1.5] {
-        incidents.follow(0, [at(seconds); 2], &quantities, |it| newest = Some(*it));
+        incidents.follow(2, [at(seconds); 2], &quantities, |it| newest = Some(*it));
     }
     newest.expect("it was told")
 }

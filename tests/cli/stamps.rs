@@ -1,8 +1,6 @@
-//! Time stamps that cannot be those of the frames, and frames that were written late.
+//! Time stamps that cannot be those of the frames.
 
-use tertius_testing::support::{
-    E_TYPE, HANGING_LOAD, Run, Scratch, between, recorded, replay, seconds, tertius,
-};
+use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recorded, replay, seconds, tertius};
 
 /// Eight seconds of a hanging load.
 fn hanging_load() -> String {
@@ -64,37 +62,4 @@ fn a_recording_in_which_no_observer_judged_is_not_judged() {
     let scratch = Scratch::new();
     let log: String = hanging_load().split_inclusive('\n').take(60).collect();
     is_unjudged(&scratch.write("short.log", log), &["too few for the observers to settle"]);
-}
-
-/// Of all cylinders, C2 was written every 0.4 s.
-#[test]
-fn what_a_logger_wrote_late_is_judged_as_if_it_were_sorted() {
-    let scratch = Scratch::new();
-    let mut lines: Vec<String> = between(&recorded("e-type-healthy.log.zst"), 160.0, 180.0)
-        .split_inclusive('\n')
-        .map(str::to_owned)
-        .collect();
-    let sorted = scratch.write("sorted.log", lines.concat());
-    let written = |line: &String| {
-        let at = seconds(line);
-        let late = line.contains(" 19");
-        let at = if late { ((at / 0.4).floor() + 1.0) * 0.4 } else { at };
-        (at * 1e6) as i64
-    };
-    lines.sort_by_key(written);
-    let late = scratch.write("late.log", lines.concat());
-    assert_ne!(scratch.read("late.log"), scratch.read("sorted.log"));
-    let right = replay(&[&sorted], E_TYPE, &[]).ok();
-    let found = replay(&[&late], E_TYPE, &[]).ok();
-    assert_eq!((found.incidents(), found.summary()), (right.incidents(), right.summary()));
-    let page = tertius(&["replay", &late, "--config", E_TYPE], b"").ok().stdout;
-    assert!(page.contains("No incident") && page.contains("wrote late (sorted)"), "{page}");
-    let piped = tertius(
-        &["replay", "-", "--config", E_TYPE, "--format", "jsonl"],
-        scratch.read("late.log").as_bytes(),
-    );
-    assert_eq!(piped.ok().incidents(), Vec::<serde_json::Value>::new());
-    let told = tertius(&["convert", &late, &scratch.path("again.log")], b"").ok().stderr;
-    assert!(told.contains("written late by the logger") && told.contains("sorted"), "{told}");
-    assert_eq!(scratch.read("again.log"), scratch.read("sorted.log"));
 }

@@ -51,5 +51,4 @@ mod stops;
 mod survey;
 mod trc;
 mod unlearnt_commands;
-mod unsorted;
 mod year;

@@ -98,6 +98,19 @@ impl LastOne {
         }
     }
 
+    /// Takes a cycle in which nothing was found.
+    fn forget(&mut self) {
+        self.of = self.of.map(|it| Watched { power: it.power, ..Watched::default() });
+    }
+
+    /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`.
+    #[inline]
+    fn measure(&mut self, i: usize, residual: Option<f64>, most: f64) {
+        let Some(residual) = residual else { return };
+        let (counted, power) = (residual.abs().min(most), &mut self.of[i].power);
+        *power += FADING * (counted * counted - *power);
+    }
+
     /// Ends the latches, because there is evidence that the readings are right.
     fn release(&mut self) {
         for watched in &mut self.of {
@@ -119,11 +132,18 @@ impl Cylinder {
         if self.finds_anything() {
             self.doubt_last(residuals, good);
             self.try_motion(residuals, good, command);
+            let most = MOST * self.design.bank.observer.high;
+            let beside = [0, 1].map(|i| !self.is_last(i));
+            for i in (0..2).filter(|i| beside[*i]) {
+                self.last.measure(i, residuals.r[i], most);
+            }
         } else if let Some(reading) = good[0].or(good[1]) {
             if self.last.of[0].out | self.last.of[1].out != 0 {
-                self.last.of = Default::default();
+                self.last.forget();
             }
             self.last.usual.extend(reading.position, command);
+            let most = MOST * self.design.bank.observer.high;
+            (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most));
         }
         if now.at_stop {
             self.rest_last(good);
@@ -169,15 +189,17 @@ impl Cylinder {
         let parameters = self.design.bank.parameters;
         let high = self.design.bank.observer.high;
         let observer = &self.design.observers[i];
+        // On a machine that the model fits badly a threshold alone is no evidence.
+        let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
         let limits = Limits {
-            least: parameters.last * high,
+            least: (parameters.last * high).max(usual),
             noise: parameters.last_noise,
             gain: observer.l[(0, 0)],
             aftermath: 2 * observer.recovery(),
             confirm: time::samples(parameters.confirmed, self.design.bank.sample_time),
         };
         let watched = &mut self.last.of[i];
-        let exceeds = residual.is_some_and(|it| it.abs() > high);
+        let exceeds = residual.is_some_and(|it| it.abs() > high.max(usual / parameters.last));
         watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
         // The cycle after a displacement is judged by what is left of it, whatever the controller makes of it.
         if !is_evidence && watched.tried.is_none() {
@@ -302,3 +324,12 @@ const NEAR: f64 = 0.1;
 
 /// Part of the stroke at either end in which a stop may hold the rod.
 const STOP: f64 = 0.1;
+
+/// So many standard deviations of the innovations in health are well above them.
+const WELL_ABOVE: f64 = 8.0;
+
+/// Share of the newest innovation in their mean square: a minute at 50 Hz.
+const FADING: f64 = 1.0 / 3000.0;
+
+/// An innovation counts in it as no more than this many δ_h: a fault is not what is usual.
+const MOST: f64 = 4.0;

@@ -29,6 +29,8 @@ whole! { Tried { first, age } }
 pub struct Watched {
     /// Cycles for which it has been out itself.
     pub out: u32,
+    /// Mean square of its innovations while it was not the last one, m².
+    pub power: f64,
     /// Whether the present finding of its observer is its own.
     pub is_named: bool,
     /// A displacement that the next innovations have to confirm.
@@ -40,7 +42,7 @@ pub struct Watched {
     pub latch: Option<Latch>,
 }
 
-whole! { Watched { out, is_named, tried, aftermath, beyond, latch } }
+whole! { Watched { out, power, is_named, tried, aftermath, beyond, latch } }
 
 /// What an innovation of the last transducer is compared with.
 #[derive(Clone, Copy, Debug)]
