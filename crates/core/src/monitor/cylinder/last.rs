@@ -21,7 +21,7 @@ use crate::state::whole;
 use crate::time;
 use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
-use usual::{Motion, Usual};
+use usual::{MotionRange, UsualMotion};
 
 /// Names of the two transducers.
 const NAMES: [Suspect; 2] = [Suspect::C1, Suspect::C2];
@@ -47,7 +47,7 @@ whole! { Rest { sum, count, healthy } }
 pub struct LastOne {
     of: [Watched; 2],
     rests: [Rest; 2],
-    usual: Usual,
+    usual: UsualMotion,
     /// R3 of the cycle before, m.
     difference: Option<f64>,
 }
@@ -56,8 +56,9 @@ whole! { LastOne { of, rests, usual, difference } }
 
 impl Default for LastOne {
     fn default() -> Self {
-        let nothing = Motion::NONE;
-        let usual = Usual { range: nothing, tried: nothing, newest: 0.0, calm: 0, unusual: 0 };
+        let nothing = MotionRange::NONE;
+        let usual =
+            UsualMotion { range: nothing, tried: nothing, newest: 0.0, calm: 0, unusual: 0 };
         Self { of: Default::default(), rests: Default::default(), usual, difference: None }
     }
 }
@@ -236,7 +237,7 @@ impl Cylinder {
         let settle = self.design.observers[0].settle;
         let usual = &mut self.last.usual;
         let motion = usual.motion(length.unwrap_or_default(), command);
-        let motion = Motion { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
+        let motion = MotionRange { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
         usual.try_out(&motion, is_elsewhere, is_quiet, settle);
     }
 
