@@ -139,7 +139,7 @@ fn warnings_and_residuals_are_told_by_cylinder() {
     };
     assert!(told >= 2.0 && metrics.get("tertius_alarm_level", &[]) >= 1.0);
     assert_eq!((state("c1", "faulty"), state("c1", "healthy")), (1.0, 0.0));
-    assert_eq!(metrics.count("tertius_transducer_state"), 48);
+    assert_eq!(metrics.count("tertius_transducer_state"), 60);
     assert_eq!(metrics.get("tertius_mode", &["mode=monitoring"]), 1.0);
     assert_eq!(metrics.count("tertius_mode"), 5);
     let (code, health) = bench.health();
@@ -245,7 +245,7 @@ fn assert_no_transducer_known(bench: &Bench) {
         let unknown = sample["labels"]["state"] == "unknown";
         assert_eq!(sample["value"], f64::from(u8::from(unknown)), "{sample}");
     }
-    assert_eq!(metrics.count("tertius_transducer_state"), 48);
+    assert_eq!(metrics.count("tertius_transducer_state"), 60);
 }
 
 #[test]

@@ -13,7 +13,7 @@ const HORIZON: usize = VOTERS * MAX_LINE;
 
 /// Least time that counts from 1970, ns: nine digits of seconds. What is padded with zeros to as many may still be a
 /// time since the previous line.
-const LEAST_ABSOLUTE: i64 = 100_000_000_000_000_000;
+pub(super) const LEAST_ABSOLUTE: i64 = 100_000_000_000_000_000;
 
 /// Meaning of the short time stamps of one input.
 #[derive(Debug)]

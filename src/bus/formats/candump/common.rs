@@ -18,6 +18,8 @@ const LONGEST_DATA: usize = 2 * MAX_CLASSIC + 2;
 const PREFIX: usize = 12;
 /// Position of the interface, after `(1700000000.000516) `.
 const NAME: usize = PREFIX + 8;
+/// First second that counts from 1970 in any case: [`super::clock::StampClock`] reads earlier ones.
+const FIRST_SECOND: i64 = super::clock::LEAST_ABSOLUTE / NANOS_PER_SECOND;
 /// Last second all of whose nanoseconds are in range.
 const LAST_SECOND: i64 = i64::MAX / NANOS_PER_SECOND - 1;
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
@@ -136,7 +138,7 @@ impl Common {
         for digit in digits {
             second = second * 10 + i64::from(char::from(*digit).to_digit(10)?);
         }
-        if second > LAST_SECOND {
+        if !(FIRST_SECOND..=LAST_SECOND).contains(&second) {
             return None;
         }
         self.base = second * NANOS_PER_SECOND;
