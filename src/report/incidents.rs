@@ -32,8 +32,8 @@ impl Incidents {
             self.kept.push(*incident);
             return;
         }
-        let mildest = self.kept.iter_mut().max_by_key(|known| story::order(known));
-        if let Some(mildest) = mildest.filter(|known| known.level < incident.level) {
+        let mildest = self.kept.iter_mut().max_by(|a, b| story::order(a, b));
+        if let Some(mildest) = mildest.filter(|known| story::order(incident, known).is_lt()) {
             *mildest = *incident;
         }
     }
@@ -48,18 +48,16 @@ impl Incidents {
         self.count() - self.kept.len() as u64
     }
 
-    /// The incidents that are kept, the worst first, and of one level in the order of their begin.
+    /// The incidents that are kept, the worst first.
     pub fn by_severity(&self) -> Vec<&Incident> {
         let mut all: Vec<&Incident> = self.kept.iter().collect();
-        all.sort_by_key(|incident| story::order(incident));
+        all.sort_by(|a, b| story::order(a, b));
         all
     }
 
-    /// The worst one: of the highest level that with the largest difference, relative to its limit.
+    /// The worst one, which is the first of [`Self::by_severity`].
     pub fn worst(&self) -> Option<&Incident> {
-        self.kept.iter().max_by(|a, b| {
-            a.level.cmp(&b.level).then_with(|| a.severity().total_cmp(&b.severity()))
-        })
+        self.kept.iter().min_by(|a, b| story::order(a, b))
     }
 
     /// Number of incidents of the cylinder `n` (from 1).

@@ -119,7 +119,8 @@ mod tests {
 
     fn incident(number: u32, level: Level) -> OpenSlot {
         let begin = Timestamp::from_nanos(1_700_000_000_000_000_000 + i64::from(number));
-        OpenSlot { number, level, suspect: Suspect::C1, fault: Fault::Abrupt, begin }
+        let (suspect, fault) = (Suspect::C1, Fault::Abrupt);
+        OpenSlot { number, level, suspect, fault, begin, named: None, worst: None }
     }
 
     fn state(open: &[OpenSlot]) -> Snapshot {

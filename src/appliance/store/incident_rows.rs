@@ -103,12 +103,14 @@ fn put(rows: &Rows<'_>, id: i64, incident: &Incident) -> rusqlite::Result<()> {
     rows.step.execute(
         "INSERT INTO incidents (id, run, number, cylinder, begin_ns, onset_ns, end_ns, ending,
              condition, acknowledged, active, listed, level, suspect, fault, gain, size_m,
-             quantity, peak_m, peak_ns, limit_m, detectors, evidence, advice, course)
+             quantity, peak_m, peak_ns, limit_m, detectors, evidence, advice, course, named_ns,
+             named_by_its_end)
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, 'active', 0, 1, 1, ?9, ?10, ?11, ?12, ?13, ?14,
-             ?15, ?16, ?17, ?18, ?19, ?20, ?21)
+             ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23)
          ON CONFLICT DO UPDATE SET run = ?2, onset_ns = ?6, end_ns = ?7, ending = ?8, level = ?9,
              suspect = ?10, fault = ?11, gain = ?12, size_m = ?13, quantity = ?14, peak_m = ?15,
-             peak_ns = ?16, limit_m = ?17, detectors = ?18, evidence = ?19, advice = ?20, course = ?21",
+             peak_ns = ?16, limit_m = ?17, detectors = ?18, evidence = ?19, advice = ?20, course = ?21,
+             named_ns = ?22, named_by_its_end = ?23",
         params![
             id,
             rows.run,
@@ -131,6 +133,8 @@ fn put(rows: &Rows<'_>, id: i64, incident: &Incident) -> rusqlite::Result<()> {
             story::evidence(incident),
             story::advice(incident),
             story::ending(incident),
+            incident.named.map(|it| it.at.as_nanos()),
+            incident.named.map(|it| it.by_its_end),
         ],
     )?;
     Ok(())

@@ -165,12 +165,12 @@ impl StoreReader {
     /// The store cannot be read.
     pub fn incident(&self, id: i64, now: Timestamp) -> Result<Option<IncidentPage>, Trouble> {
         let sql = format!(
-            "SELECT {ALARM_COLUMNS}, number, i.run, onset_ns, gain, size_m, quantity, peak_m, peak_ns,
-                 limit_m, detectors, evidence, advice, course, i.begin_ns
+            "SELECT {ALARM_COLUMNS}, number, i.run, onset_ns, gain, size_m, peak_ns, detectors,
+                 evidence, advice, course, i.begin_ns
              FROM incidents i JOIN events e ON e.id = i.id WHERE i.id = ?"
         );
         let found = |row: &Row<'_>| {
-            Ok((incident_page(row, now)?, row.get::<_, i64>(29)?, row.get::<_, i64>(17)?))
+            Ok((incident_page(row, now)?, row.get::<_, i64>(31)?, row.get::<_, i64>(22)?))
         };
         let Some((mut page, begin, run)) = self.0.query_row(&sql, [id], found).optional()? else {
             return Ok(None);

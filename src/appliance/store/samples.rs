@@ -2,7 +2,7 @@
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Detector, Finding, Level, State, Warning};
-use crate::incident::{Ending, Excursion, Incident, Part, Progress};
+use crate::incident::{Ending, Excursion, Incident, Naming, Outset, Part, Progress};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
@@ -53,12 +53,16 @@ pub(super) fn incident(number: u32) -> Incident {
         onset: begin,
         end: None,
         suspect: Suspect::C1,
+        named: Some(Naming { at: begin, by_its_end: false }),
         fault: Fault::Abrupt,
         gain: None,
         size: Some(1.21e-3),
+        parted: None,
         level: Level::Yellow,
         parts,
         peaks: [Some(peak), None, None, None],
+        now: [Some(1.2e-3), None, None, None],
+        outset: Outset { judged: [true, false, false], elsewhere: [false; 3] },
         limits: [1e-3, 1e-3, 1.5e-3, 0.05],
     }
 }

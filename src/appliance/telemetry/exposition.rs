@@ -219,7 +219,7 @@ impl View {
         let help = "Incidents that are not closed.";
         let mut family = out.family("incidents_open", help, None, MetricType::Gauge)?;
         for (number, cylinder) in self.numbered() {
-            let open = cylinder.incidents.open(0).count() as f64;
+            let open = cylinder.incidents.slots().count() as f64;
             family.encode_family(&[("cylinder", number)])?.encode_gauge(&open)?;
         }
         let standing = f64::from(self.telemetry.standing.load(Ordering::Relaxed));

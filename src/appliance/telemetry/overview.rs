@@ -177,8 +177,7 @@ mod tests {
             level: "yellow",
             fault: "abrupt",
             kind: "step",
-            begin: 0.0,
-            summary: String::new(),
+            ..OpenIncident::default()
         }];
         TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), &health))
     }

@@ -267,7 +267,15 @@ mod tests {
         for (place, fault) in (0..).zip(Fault::ALL) {
             let begin = Timestamp::from_nanos(5);
             let (level, suspect) = (crate::alarm::Level::Red, Suspect::C2);
-            now.cylinders[0].incident = Some(OpenSlot { number: 7, level, suspect, fault, begin });
+            now.cylinders[0].incident = Some(OpenSlot {
+                number: 7,
+                level,
+                suspect,
+                fault,
+                begin,
+                named: None,
+                worst: None,
+            });
             let points = Points::new(&now);
             let found = |name: &str| {
                 let named = |it: &&Point| it.name == format!("cylinder_1_{name}");

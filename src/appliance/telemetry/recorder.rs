@@ -73,6 +73,8 @@ impl Recorder {
                 cylinder.sizes[i].observe(size);
             }
         }
+        let apart = record.c1.zip(record.c2).map(|(c1, c2)| (c1 - c2).abs());
+        cylinder.measured.set(apart.filter(|apart| apart.is_finite()));
         self.filling[index].record(record, &cylinder.trend);
     }
 

@@ -19,6 +19,8 @@ struct IncidentLine<'a> {
     cylinder: u8,
     level: &'static str,
     suspect: &'static str,
+    named: Option<Digits>,
+    named_by_its_end: Option<bool>,
     fault: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     shape: Option<&'static str>,
@@ -33,6 +35,7 @@ struct IncidentLine<'a> {
     peak: Option<f64>,
     peak_at: Option<Digits>,
     limit: Option<f64>,
+    now: Option<f64>,
     peaks: BTreeMap<&'static str, f64>,
     detectors: Vec<DetectorFields>,
     summary: &'a str,
@@ -76,6 +79,8 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
             cylinder: incident.cylinder,
             level: incident.level.name(),
             suspect: incident.suspect.name(),
+            named: incident.named.map(|it| since(it.at)),
+            named_by_its_end: incident.named.map(|it| it.by_its_end),
             fault: incident.fault.name(),
             shape: incident.gain.map(|_| "scale"),
             gain_percent: incident.gain.map(|gain| 100.0 * gain),
@@ -88,6 +93,7 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
             peak: worst.map(|(_, peak)| peak.value),
             peak_at: worst.map(|(_, peak)| since(peak.at)),
             limit: worst.map(|(quantity, _)| incident.limits[quantity as usize]),
+            now: incident.worst_now(),
             peaks: peaks
                 .filter_map(|(quantity, peak)| Some((quantity.name(), peak?.value)))
                 .collect(),

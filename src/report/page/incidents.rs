@@ -96,13 +96,13 @@ fn table(page: &mut Page, heading: &Heading<'_>, incidents: &[&Incident]) {
     }
     html += "</tr></thead>\n<tbody>\n";
     for incident in incidents {
-        let [at, cylinder, suspect, _, what, off, lasted] =
+        let [at, cylinder, suspect, _, what, largest, lasted] =
             wording::incident_row(heading.zone, incident).map(|cell| escaped(&cell));
         let (number, badge) = (incident.number, badge(incident.level));
         _ = writeln!(
             html,
             "<tr><td>{at}</td><td class=\"n\">{cylinder}</td><td>{suspect}</td><td>{badge}</td>\
-             <td><a href=\"#incident-{number}\">{what}</a></td><td class=\"n\">{off}</td>\
+             <td><a href=\"#incident-{number}\">{what}</a></td><td class=\"n\">{largest}</td>\
              <td class=\"n\">{lasted}</td></tr>"
         );
     }

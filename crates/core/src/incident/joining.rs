@@ -5,9 +5,10 @@
 //! one transducer reaches the other observer through the machine's controller. A fault of the
 //! hydraulics, a command that does not come and readings that have parted are never one incident.
 
+use super::telling::Told;
 use super::{Ending, Incident, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
-use crate::alarm::{Detector, Level, Warning};
+use crate::alarm::{Detector, Warning};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
@@ -42,13 +43,10 @@ pub(super) struct Open {
     /// Whether the fault was seen to go.
     pub has_returned: bool,
     /// What was told of it.
-    told: Option<Said>,
+    pub told: Option<Told>,
 }
 
 whole! { Open { incident, newest, grew, difference, has_returned, told } }
-
-/// What an incident says that is news to a person when it changes.
-type Said = (Suspect, Fault, [bool; 2], Level);
 
 impl Open {
     pub fn new(incident: Incident) -> Self {
@@ -150,21 +148,6 @@ impl Open {
         parts.any(|(detector, part)| {
             detector.basis() == Basis::Readings && part.is_some_and(|part| part.stands)
         })
-    }
-
-    /// The incident as it is told at `at`, if it says something new.
-    pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
-        let Incident { suspect, fault, gain, level, .. } = self.incident;
-        let has_size =
-            self.incident.parts.iter().flatten().any(|part| part.finding.size().is_some());
-        let said = (suspect, fault, [gain.is_some(), has_size], level);
-        let before = self.told.replace(said);
-        if before == Some(said) {
-            return None;
-        }
-        let progress = before.map_or(Progress::Opened, |_| Progress::Revised);
-        (self.incident.progress, self.incident.timestamp) = (progress, at);
-        Some(&self.incident)
     }
 
     /// The incident as it is over at `at`.

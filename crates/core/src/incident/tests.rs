@@ -8,6 +8,7 @@ use crate::verdict::{Fault, Suspect};
 use WarningPlace::{Fde1, Fde2, Fde3, PlausibilityOfC1, PlausibilityOfC2, Process, Sequential};
 
 mod kinds;
+mod telling;
 
 const COINCIDENCE: Span = Span::from_nanos(100_000_000);
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];

@@ -1,8 +1,10 @@
 //! The incidents that are not closed, of all cylinders.
 
 use super::joining::Open;
-use super::{Ending, Excursion, Incident, Part, Progress, QUANTITIES, Quantities, Quantity};
-use crate::alarm::detector::PLACES;
+use super::{
+    Ending, Excursion, Incident, Outset, Part, Progress, QUANTITIES, Quantities, Quantity,
+};
+use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Finding, Level, State, Warning};
 use crate::state::state;
 use crate::time::{Span, Timestamp};
@@ -12,6 +14,9 @@ use alloc::vec::Vec;
 /// Most incidents of a cylinder at once: of each transducer and of neither. A further one is taken for the newest of
 /// these.
 pub const MOST_AT_ONCE: usize = 3;
+
+/// Places of the detectors of R1, R2 and R3.
+const COMPARING: [WarningPlace; 3] = [WarningPlace::Fde1, WarningPlace::Fde2, WarningPlace::Fde3];
 
 /// The incidents of a machine, in bounded memory.
 #[derive(Clone, Debug)]
@@ -79,8 +84,16 @@ impl Incidents {
             let Some(open) = place else { continue };
             open.difference = quantities[Quantity::R3 as usize];
             let stands = open.incident.stands();
+            let own = open.own(quantities);
             if stands || open.newest == at {
-                open.incident.reach(opened, &open.own(quantities));
+                open.incident.reach(opened, &own);
+            }
+            open.incident.now = own;
+            if open.newest == at {
+                open.incident.part_by(open.difference, at);
+            }
+            if open.told.is_none() {
+                open.incident.outset.judged = core::array::from_fn(|i| quantities[i].is_some());
             }
             if let Some(incident) = open.news(at) {
                 say(incident);
@@ -128,13 +141,16 @@ impl OfCylinder {
         let (coincidence, limits) = (self.coincidence, self.limits);
         let taken = self.newest(|open| open.takes(warning, coincidence));
         let free = || self.open.iter().position(Option::is_none);
+        let elsewhere =
+            COMPARING.map(|place| self.open.iter().flatten().any(|it| it.has_standing(place)));
         let Some(place) = taken.or_else(free).or_else(|| self.newest(|_| true)) else { return };
         let open = self.open[place].get_or_insert_with(|| {
             *count = count.saturating_add(1);
-            Open::new(Incident::new(*count, warning, limits))
+            Open::new(Incident::new(*count, warning, elsewhere, limits))
         });
         open.incident.raise(warning);
         open.follow(warning, coincidence);
+        open.date_naming(warning, coincidence);
     }
 
     /// Place of the incident that began last of those for which `is` holds.
@@ -159,9 +175,31 @@ impl OfCylinder {
     }
 }
 
+impl Open {
+    fn has_standing(&self, place: WarningPlace) -> bool {
+        self.incident.part(place).is_some_and(|part| part.stands)
+    }
+
+    /// Notes whether the suspect was named by a `warning` that sees the fault go.
+    fn date_naming(&mut self, warning: &Warning, coincidence: Span) {
+        let by_observer =
+            matches!(self.incident.namer(), Some(WarningPlace::Fde1 | WarningPlace::Fde2));
+        let (begin, has_returned) = (self.incident.begin, self.has_returned && by_observer);
+        let Some(named) = &mut self.incident.named else { return };
+        if named.at == warning.timestamp && named.at.since(begin) > coincidence {
+            named.by_its_end |= has_returned;
+        }
+    }
+}
+
 impl Incident {
     /// An incident that begins with `warning`, which it does not yet include.
-    fn new(number: u32, warning: &Warning, limits: [f64; QUANTITIES]) -> Self {
+    fn new(
+        number: u32,
+        warning: &Warning,
+        elsewhere: [bool; 3],
+        limits: [f64; QUANTITIES],
+    ) -> Self {
         Self {
             number,
             cylinder: warning.cylinder,
@@ -171,12 +209,16 @@ impl Incident {
             onset: warning.timestamp,
             end: None,
             suspect: Suspect::Undecided,
+            named: None,
             fault: Fault::Unclassified,
             gain: None,
             size: None,
+            parted: None,
             level: Level::None,
             parts: [None; PLACES],
             peaks: [None; QUANTITIES],
+            now: [None; QUANTITIES],
+            outset: Outset { elsewhere, ..Outset::default() },
             limits,
         }
     }
@@ -194,7 +236,7 @@ impl Incident {
         part.stands = true;
         part.take(&finding);
         self.level = self.level.max(finding.level);
-        self.fuse();
+        self.fuse(raised);
     }
 
     fn revise(&mut self, warning: &Warning) {
@@ -205,7 +247,7 @@ impl Incident {
         }
         part.take(&warning.finding);
         self.level = self.level.max(warning.finding.level);
-        self.fuse();
+        self.fuse(warning.timestamp);
     }
 
     fn reach(&mut self, opened: Timestamp, quantities: &Quantities) {

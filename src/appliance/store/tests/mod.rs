@@ -162,9 +162,14 @@ fn an_incident_is_read_as_it_was_told() {
     assert_eq!((page.alarm.level, page.alarm.ending.as_deref()), ("orange", Some("returned")));
     assert_eq!(
         page.alarm.text,
-        "cylinder 1, C1, orange: step of 1.21 mm, 1.20 mm off (limit 1.00 mm)"
+        "cylinder 1, C1, orange: step of 1.21 mm, R1 up to 1.20 mm (limit 1.00 mm)"
     );
-    assert_eq!((page.peak_m, page.limit_m, page.size_m), (Some(1.2e-3), Some(1e-3), Some(1.21e-3)));
+    let alarm = &page.alarm;
+    assert_eq!(
+        (alarm.peak_m, alarm.limit_m, page.size_m),
+        (Some(1.2e-3), Some(1e-3), Some(1.21e-3))
+    );
+    assert_eq!((alarm.named_s, alarm.named_by_its_end), (Some(alarm.begin_s), Some(false)));
     let progress: Vec<_> = page.revisions.iter().map(|it| it.progress.as_str()).collect();
     assert_eq!(progress, ["opened", "revised", "closed"]);
     assert_eq!(page.warnings.len(), 1);
