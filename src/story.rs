@@ -28,6 +28,15 @@ pub const fn suspect(suspect: Suspect) -> &'static str {
     }
 }
 
+/// As [`suspect`], about a cylinder that may have C1 alone.
+pub const fn suspect_of(whom: Suspect, is_alone: bool) -> &'static str {
+    match whom {
+        Suspect::Undecided if is_alone => "C1 or the cylinder",
+        Suspect::Process if is_alone => "not C1",
+        other => suspect(other),
+    }
+}
+
 /// What is wrong: `step of 1.21 mm`, `frozen reading`.
 pub fn kind(incident: &Incident) -> String {
     if let Some(gain) = incident.gain {
@@ -91,11 +100,11 @@ const fn fault(fault: Fault) -> &'static str {
     }
 }
 
-/// Whom an incident is about, in a sentence: `C1`, `neither transducer`.
-pub const fn whom(whom: Suspect) -> &'static str {
+/// Whom an incident is about, in a sentence: `C1`, `neither transducer`; about a cylinder that may have C1 alone.
+pub const fn whom(whom: Suspect, is_alone: bool) -> &'static str {
     match whom {
-        Suspect::Process => "neither transducer",
-        other => suspect(other),
+        Suspect::Process if !is_alone => "neither transducer",
+        other => suspect_of(other, is_alone),
     }
 }
 
@@ -111,7 +120,7 @@ pub fn naming(begin: Timestamp, named: Option<Naming>) -> Option<String> {
 /// Whom an incident is about, as a short cell, with a mark where it was not named at once: `C2 late`.
 pub fn suspect_in_time(incident: &Incident) -> String {
     let late = naming(incident.begin, incident.named).map_or("", |_| " late");
-    format!("{}{late}", suspect(incident.suspect))
+    format!("{}{late}", suspect_of(incident.suspect, incident.is_alone()))
 }
 
 /// Name of a quantity for people.
@@ -137,20 +146,21 @@ pub fn line(incident: &Incident) -> String {
     let worst = incident
         .worst()
         .map(|(quantity, peak)| largest(quantity, peak.value, incident.limits[quantity as usize]));
-    line_of((cylinder.into(), suspect, level), naming(begin, named), &kind(incident), worst)
+    let whom = whom(suspect, incident.is_alone());
+    line_of((cylinder.into(), whom, level), naming(begin, named), &kind(incident), worst)
 }
 
-/// The line of an incident of a cylinder, with its suspect and level, when that was named, what is wrong, and how bad it
+/// The line of an incident of a cylinder, with whom it is about and its level, when that was named, what is wrong, and how bad it
 /// got.
 pub fn line_of(
-    (cylinder, suspect, level): (usize, Suspect, Level),
+    (cylinder, whom, level): (usize, &str, Level),
     named: Option<String>,
     kind: &str,
     worst: Option<String>,
 ) -> String {
     let named = named.map_or(String::new(), |named| format!(" ({named})"));
     let worst = worst.map_or(String::new(), |worst| format!(", {worst}"));
-    format!("cylinder {cylinder}, {}{named}, {}: {kind}{worst}", whom(suspect), level.name())
+    format!("cylinder {cylinder}, {whom}{named}, {}: {kind}{worst}", level.name())
 }
 
 /// What a person should do.
@@ -188,6 +198,11 @@ pub fn advice(incident: &Incident) -> String {
             there, the model no longer fits: identify it on a newer recording."
                 .to_owned()
         }
+        (Suspect::Undecided, _) if incident.is_alone() => {
+            "Drive the cylinder to its end stop: if C1 reads another length there than before, it is at fault. \
+            Otherwise look at the cylinder, its valve and its supply."
+                .to_owned()
+        }
         (Suspect::Undecided, _) => {
             "Drive the cylinder to its end stop: the transducer that reads another \
             length there than before is the one at fault."
@@ -196,13 +211,26 @@ pub fn advice(incident: &Incident) -> String {
         (_, Fault::Stale | Fault::BrokenWire | Fault::Frozen) => {
             format!("Check the cable, the connector and the supply of {whom}.")
         }
-        (_, Fault::Noise) => format!("Check the screen, the earth and the connector of {whom}."),
+        (_, Fault::Noise) => {
+            format!("Check the screen, the earth and the connector of {whom}.{}", otherwise(incident))
+        }
         (_, Fault::OutOfRange | Fault::Abrupt) => {
-            format!("Check the connector, the cable and the magnet of {whom}.")
+            let otherwise = otherwise(incident);
+            format!("Check the connector, the cable and the magnet of {whom}.{otherwise}")
         }
         (_, Fault::Incipient | Fault::Unclassified) => {
-            format!("Check the mounting and the magnet of {whom}, and have it calibrated.")
+            let otherwise = otherwise(incident);
+            format!("Check the mounting and the magnet of {whom}, and have it calibrated.{otherwise}")
         }
+    }
+}
+
+/// Where else to look if nothing is wrong with C1: alone, its observer cannot tell it from the cylinder.
+fn otherwise(incident: &Incident) -> &'static str {
+    if incident.is_alone() && incident.part(WarningPlace::Fde1).is_some() {
+        " If nothing is wrong there, look at the cylinder, its valve and its supply."
+    } else {
+        ""
     }
 }
 

@@ -93,6 +93,7 @@ impl Calibrate {
             usable.is_ok().then(|| learnt::calibration::of(&result, env!("CARGO_PKG_VERSION")));
         let written = written.flatten();
         tables::publish(&page, output, written.as_deref())?;
+        let written_nothing = written.is_none();
         // What is kept has no cylinder that contradicts it.
         let whole = result.refusals().is_empty();
         if let Some(tables) = written.filter(|_| whole || !self.update) {
@@ -103,6 +104,11 @@ impl Calibrate {
         }
         study.surveyed.damage()?;
         usable.map_err(Failure::Failed)?;
+        if !result.has_c2() && written_nothing {
+            return Err(Failure::Failed(
+                "there is nothing to calibrate: no cylinder has a C2, and no process detector was learnt".to_owned(),
+            ));
+        }
         // A cylinder without a calibration is a failure, though the others have theirs.
         match &result.refusals()[..] {
             [] => Ok(()),

@@ -62,6 +62,8 @@ fn describe(machine: &Machine) -> String {
         objects::messages(machine),
         subscriptions.iter().filter(|line| line.service.is_none()).count(),
     );
+    let any_c2 = (1..=settings.machine.cylinders).any(|n| settings.has_c2(n));
+    let (observers, judge) = if any_c2 { ("FDE1 and FDE2", "judge") } else { ("FDE1", "judges") };
     text += &format!(
         "{}: {} cylinder{}, every {} s; {}\n",
         settings.machine.name,
@@ -69,8 +71,8 @@ fn describe(machine: &Machine) -> String {
         if settings.machine.cylinders == 1 { "" } else { "s" },
         settings.machine.sample_time,
         match &settings.machine.monitored_states {
-            Some(states) => format!("FDE1 and FDE2 judge when {}", states.join(" or ")),
-            None => "FDE1 and FDE2 always judge".to_owned(),
+            Some(states) => format!("{observers} {judge} when {}", states.join(" or ")),
+            None => format!("{observers} always {judge}"),
         }
     );
     text += &buses(machine);
@@ -132,8 +134,10 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
     let settings = &machine.loaded.settings;
     let signals = &settings.signals.cylinder;
     let mut doubts = Vec::new();
-    for name in [Some(&signals.c1), signals.c2.as_ref()].into_iter().flatten() {
-        let name = CylinderSignals::of_cylinder(name, 1);
+    let second = (1..=settings.machine.cylinders).find(|n| settings.has_c2(*n));
+    let second = second.and_then(|n| Some((signals.c2.as_ref()?, n)));
+    for (name, n) in [Some((&signals.c1, 1)), second].into_iter().flatten() {
+        let name = CylinderSignals::of_cylinder(name, n);
         let Some((_, bare)) = bus_of(&name) else { continue };
         let Ok((_, signal)) = machine.database.signal(bare) else { continue };
         let [lowest, highest] = signal.range.unwrap_or(settings.machine.stroke);
@@ -196,7 +200,9 @@ fn model_doubt(machine: &Machine) -> Option<String> {
 
 /// Transducers that the machine's own rule would find apart although they agree with a and b of (5-20).
 fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
-    settings.signals.cylinder.c2.as_ref()?;
+    if !settings.has_c2(n) {
+        return None;
+    }
     let (gain, offset) = settings.comparator_of(n);
     let apart = |c1: f64| (c1 - (c1 - offset) / gain).abs();
     let [most, at] = settings

@@ -122,6 +122,10 @@ enum Studied {
     Side,
     /// The same by the attitude of the deck, which takes a sensor there
     Hexapod,
+    /// Faults of the transducer that is left after the other one was lost, froze or stepped by 10 mm
+    Last,
+    /// The same on cylinders that have no C2
+    Single,
     /// False alarms
     Healthy,
 }
@@ -139,6 +143,8 @@ impl Studied {
                 | Self::Handover
                 | Self::Side
                 | Self::Hexapod
+                | Self::Last
+                | Self::Single
         )
     }
 
@@ -159,6 +165,8 @@ impl Studied {
             Self::Handover => Study::Handover,
             Self::Side => Study::Side,
             Self::Hexapod => Study::Hexapod,
+            Self::Last => Study::Last,
+            Self::Single => Study::Single,
             Self::Healthy => return None,
         })
     }
@@ -221,6 +229,10 @@ impl Evaluate {
             stand.decked =
                 hexapod.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
         }
+        if let Some(last) = &plan.last {
+            stand.single =
+                last.without_c2(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
         let evaluation = self.evaluate(&plan, &stand)?;
         let with = machine.loaded.fingerprints();
         let json = evaluation::json(&evaluation, &with);
@@ -267,6 +279,11 @@ impl Evaluate {
             weights: self.sets(settings)?,
             process_hours: if asked.contains(&Studied::Process) { hours } else { 0.0 },
             hexapod_hours: if asked.contains(&Studied::Hexapod) { hours } else { 0.0 },
+            last_hours: if [Studied::Last, Studied::Single].iter().any(|it| asked.contains(it)) {
+                hours
+            } else {
+                0.0
+            },
             side_hours: if asked.contains(&Studied::Side) { hours } else { 0.0 },
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),

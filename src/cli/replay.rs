@@ -17,6 +17,7 @@ use crate::bus::{Options, Recording, Statistics, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
 use crate::report::page::{self, PageRecorder};
+use crate::report::stamps::Stamped;
 use crate::report::{Blanks, Judgement, Stops, Summary, Zone, estimates, jsonl, residuals};
 use crate::time::Span;
 use clap::{Args, ValueEnum};
@@ -181,7 +182,9 @@ impl Replay {
             return broken_off(output);
         }
         let statistics = recording.statistics();
-        let judgement = witness.judgement(&machine, (&interfaces, statistics), &monitor, goes_on);
+        let stamped = Stamped { first: output.first, length: duration };
+        let read = (&interfaces, statistics);
+        let judgement = witness.judgement(&machine, read, &monitor, goes_on, stamped);
         let replayed = Replayed {
             machine: &machine,
             inputs: &inputs,

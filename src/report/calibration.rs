@@ -187,7 +187,12 @@ pub fn bound(result: &Calibration) -> String {
 
 /// The result in a sentence, and whether it is whole: of all cylinders, with a bound of R3.
 pub fn verdict(result: &Calibration) -> (bool, String) {
-    let all = result.cylinders.len();
+    let all = result.cylinders.iter().filter(|it| it.has_c2()).count();
+    let without = match result.cylinders.len() - all {
+        0 => "",
+        1 => "; 1 cylinder has no C2",
+        _ => "; some cylinders have no C2",
+    };
     let corrected = result.cylinders.iter().filter(|it| it.result.is_ok()).count();
     let taught = result.cylinders.iter().filter(|it| it.sequential.is_some()).count();
     let bound = result.bound.as_ref().map_or_else(
@@ -196,7 +201,7 @@ pub fn verdict(result: &Calibration) -> (bool, String) {
     );
     let text = format!(
         "C2 is corrected on {corrected} of {all} cylinders, and the sequential detectors of {taught} are calibrated; \
-         {bound}."
+         {bound}{without}."
     );
     (corrected == all && taught == all && result.bound.is_some(), text)
 }
@@ -209,7 +214,7 @@ pub fn remarks(result: &Calibration) -> String {
     for line in by_cylinders(own) {
         _ = writeln!(text, "{line}");
     }
-    for cylinder in &result.cylinders {
+    for cylinder in result.cylinders.iter().filter(|it| it.has_c2()) {
         if let Err(refusal) = &cylinder.result {
             _ = writeln!(text, "cylinder {} is refused: {refusal}", cylinder.number);
         }

@@ -3,6 +3,7 @@
 use super::sheet::{Section, Sheet};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
+use crate::calibrate::Calibration;
 use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::config::Fingerprints;
@@ -123,7 +124,11 @@ pub fn trial(result: &Commissioned) -> Section {
     let header = ["detector", "false alarms", "at most, per hour (95 %)", "judged"];
     let mut table = Sheet::new(&header);
     let Some(trial) = &result.trial else { return table.about("") };
-    for detector in DETECTORS {
+    let calibration = result.taught.calibration.as_ref();
+    let has_c2 = calibration.is_none_or(Calibration::has_c2);
+    let takes_c2 =
+        |it: &Detector| matches!(it, Detector::Fde2 | Detector::Fde3 | Detector::Sequential);
+    for detector in DETECTORS.into_iter().filter(|it| has_c2 || !takes_c2(it)) {
         let all = trial.false_alarms.iter().chain(&trial.of_process);
         let count = all.filter(|it| it.detector == detector).count() as u64;
         let most = poisson_upper(count, CONFIDENCE) / (trial.held / 3600.0);

@@ -6,7 +6,7 @@ use crate::time::Timestamp;
 use std::io::{self, Write};
 
 /// Columns, which the first line names.
-pub const HEADER: &str = "t,cylinder,estimate,sigma,valid,source";
+pub const HEADER: &str = "t,cylinder,estimate,sigma,valid,source,without";
 
 /// A row of the table: a cylinder and cycle.
 #[derive(Clone, Copy, Debug)]
@@ -52,14 +52,16 @@ impl<W: Write> EstimateTable<W> {
         number::append(line, row.t);
         write!(line, ",{},", row.cylinder)?;
         match &row.estimate {
-            None => line.extend_from_slice(b",,0,\n"),
-            Some(Estimate { position, sigma, source, valid }) => {
+            None => line.extend_from_slice(b",,0,,\n"),
+            Some(Estimate { position, sigma, source, valid, without }) => {
                 number::append(line, *position);
                 line.push(b',');
                 if sigma.is_finite() {
                     number::append(line, *sigma);
                 }
-                writeln!(line, ",{},{}", u8::from(*valid), source.name())?;
+                write!(line, ",{},{},", u8::from(*valid), source.name())?;
+                number::append(line, *without);
+                line.push(b'\n');
             }
         }
         self.out.write_all(line)

@@ -1,6 +1,7 @@
 //! Whether anything was judged, and why not: a recording in which nothing was judged says nothing
 //! about the machine, and must not look as if all were well.
 
+use super::stamps::{self, Stamped};
 use crate::bus::{Interfaces, Statistics};
 use crate::frame::Id;
 use crate::monitor::cylinder::Tally;
@@ -32,6 +33,27 @@ pub struct MissedStates {
     pub monitored: Vec<String>,
 }
 
+/// What a monitor has judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a> {
+    pub counts: &'a Counts,
+    /// Of each cylinder.
+    pub tallies: &'a [Tally],
+    /// Cycles that the observers of each cylinder did not judge; `None` for a transducer that is not configured.
+    pub unjudged: &'a [[Option<u64>; 2]],
+}
+
+impl Judged<'_> {
+    /// Whether an observer judged a cycle; of a machine without observers, whether readings were `compared`.
+    fn is_any(&self, compared: bool) -> bool {
+        let of = |(tally, unjudged): (&Tally, &[Option<u64>; 2])| {
+            unjudged.map(|unjudged| unjudged.map(|unjudged| tally.cycles > unjudged))
+        };
+        let observed = self.tallies.iter().zip(self.unjudged).flat_map(of).flatten();
+        observed.reduce(|one, other| one || other).unwrap_or(compared)
+    }
+}
+
 /// Reasons why nothing was judged; none where something was.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Judgement {
@@ -41,20 +63,25 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// The judgement of a replay. Something was judged where there was a residual of any cylinder
-    /// and detector, except in a recording in which the platform was never in a monitored state
-    /// (`missed`): R3 alone, of rods that are parked, does not make a machine look healthy.
+    /// The judgement of a replay. Something was judged where an observer of any cylinder judged a cycle, except in a
+    /// recording in which the platform was never in a monitored state (`missed`), or whose time stamps cannot be those of
+    /// its frames: R3 alone, of rods that are parked, does not make a machine look healthy.
     pub fn new(
         recorded: &RecordedFacts<'_>,
-        counts: &Counts,
-        tallies: &[Tally],
+        judged: &Judged<'_>,
+        stamped: Stamped,
         missed: Option<&MissedStates>,
     ) -> Self {
+        let Judged { counts, tallies, .. } = *judged;
         let compared = tallies.iter().any(|tally| tally.worst.iter().any(Option::is_some));
-        if compared && missed.is_none() {
+        let unusable = stamps::unusable(recorded.statistics, counts, stamped);
+        if unusable.is_none() && judged.is_any(compared) && missed.is_none() {
             return Self::default();
         }
-        let mut reasons = recorded.nothing();
+        let mut reasons: Vec<String> = unusable.into_iter().collect();
+        if reasons.is_empty() {
+            reasons = recorded.nothing();
+        }
         if reasons.is_empty() {
             reasons = unjudged(counts, tallies, missed, recorded.goes_on);
         }

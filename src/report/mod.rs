@@ -21,6 +21,7 @@ pub mod pace;
 pub mod page;
 pub mod residuals;
 pub mod sheet;
+pub mod stamps;
 pub mod stops;
 pub mod tuning;
 pub mod verdict;

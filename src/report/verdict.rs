@@ -172,6 +172,10 @@ fn names(who: &[(usize, Transducer)], cylinders: usize) -> String {
     if cylinders > 1 && (1..=cylinders).all(both) {
         return "every cylinder".to_owned();
     }
+    let first = |n: usize| who.contains(&(n, Transducer::C1));
+    if cylinders > 1 && who.len() == cylinders && (1..=cylinders).all(first) {
+        return "every cylinder's C1".to_owned();
+    }
     let mut names = Vec::new();
     for n in 1..=cylinders {
         let of = |transducer| who.contains(&(n, transducer));

@@ -219,7 +219,7 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
 pub fn episode_line(first: Timestamp, episode: &Episode) -> String {
     let [at, _, _, detector, fault, _, level, residual, limit, lasted] =
         episode_row(first, episode);
-    let whom = story::whom(episode.finding.suspect);
+    let whom = story::whom(episode.finding.suspect, false);
     let detector = match episode.detector.basis() {
         Basis::Residual(_) | Basis::Readings => detector,
         Basis::Samples | Basis::Lengths => format!("{detector} detector"),

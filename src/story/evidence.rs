@@ -25,7 +25,15 @@ pub fn evidence(incident: &Incident) -> String {
 
 /// Whom the evidence names, and when it did so; where that was not at once, also by which detector.
 fn conclusion(incident: &Incident) -> String {
+    let is_alone = incident.is_alone();
+    let by_observer = incident.part(WarningPlace::Fde1).is_some()
+        && incident.part(WarningPlace::PlausibilityOfC1).is_none();
     let whom = match incident.suspect {
+        Suspect::C1 if is_alone && by_observer => {
+            "there is no second transducer to ask, so C1 is blamed"
+        }
+        Suspect::Process if is_alone => "so it is not C1",
+        Suspect::Undecided if is_alone => "whether it is C1 or the cylinder is not known",
         Suspect::C1 => "so it is C1",
         Suspect::C2 => "so it is C2",
         Suspect::Process => "so it is neither transducer",
@@ -168,7 +176,8 @@ fn testimony(incident: &Incident) -> Option<String> {
 fn quiet(incident: &Incident) -> Vec<String> {
     let Outset { judged, elsewhere } = incident.outset;
     let quiet = |(place, quantity, name): &(WarningPlace, Quantity, &str)| {
-        if incident.part(*place).is_some() {
+        let is_there = incident.limits[*quantity as usize].is_finite();
+        if incident.part(*place).is_some() || !is_there {
             return None;
         }
         Some(match incident.peaks[*quantity as usize] {

@@ -46,6 +46,48 @@ fn told(suspect: Suspect, by: Testimony) -> Incident {
     newest.filter(|it| it.progress == Progress::Revised).expect("it was revised")
 }
 
+/// The incident of a warning of FDE1 about a cylinder without C2.
+fn alone(suspect: Suspect, fault: Fault) -> Incident {
+    let limits = [1e-3, f64::INFINITY, f64::INFINITY, f64::INFINITY];
+    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3]);
+    incidents.take(&Warning {
+        timestamp: at(1.0),
+        cylinder: 3,
+        detector: Detector::Fde1,
+        place: WarningPlace::Fde1 as usize,
+        state: State::Raised,
+        finding: Finding { fault, residual: Some(1.2e-3), ..finding(suspect, None) },
+    });
+    let mut newest = None;
+    let quantities = [Some(1.2e-3), None, None, None];
+    for seconds in [1.0, 1.5] {
+        incidents.follow(2, [at(seconds); 2], &quantities, |it| newest = Some(*it));
+    }
+    newest.expect("it was told")
+}
+
+#[test]
+fn nothing_is_compared_on_a_cylinder_without_c2() {
+    let incident = alone(Suspect::C1, Fault::Incipient);
+    let told = evidence(&incident);
+    assert_eq!(told, "C1's observer rose; there is no second transducer to ask, so C1 is blamed");
+    let told = advice(&incident);
+    let cylinder = "If nothing is wrong there, look at the cylinder, its valve and its supply.";
+    assert!(told.contains("magnet of C1") && told.ends_with(cylinder), "{told}");
+
+    let open = alone(Suspect::Undecided, Fault::Noise);
+    assert!(line(&open).starts_with("cylinder 3, C1 or the cylinder, yellow: "), "{}", line(&open));
+    let told = advice(&open);
+    assert!(told.contains("if C1 reads another length there than before"), "{told}");
+    let process = alone(Suspect::Process, Fault::Unclassified);
+    assert!(line(&process).starts_with("cylinder 3, not C1, yellow: "), "{}", line(&process));
+    for it in [incident, open, process] {
+        let all = [evidence(&it), line(&it), advice(&it)].concat();
+        assert!(!all.contains("C2") && !all.contains("difference"), "{all}");
+        assert!(!all.contains("neither") && !all.contains("which of the two"), "{all}");
+    }
+}
+
 #[test]
 fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
     let by_flow = evidence(&told(Suspect::C1, Testimony::Flow));

@@ -257,7 +257,7 @@ fn estimates_that_do_not_fit_their_message() {
     let config =
         estimating(&scratch, "[-2.0, 2.0]", "BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 8");
     let words = [
-        "line 177 of the DBC: Fd_Estimate.Position reaches from -1.4999 m to 1.5000 m",
+        "line 178 of the DBC: Fd_Estimate.Position reaches from -1.4999 m to 1.5000 m",
         "`machine.stroke` is [-2.0, 2.0]",
         "or send no estimates",
     ];
@@ -282,17 +282,17 @@ fn estimates_that_do_not_fit_their_message() {
         (
             "32|16@1+ (0.0001",
             "32|15@1+ (0.0001",
-            "line 177 of the DBC: Fd_Estimate.Position is not",
+            "line 178 of the DBC: Fd_Estimate.Position is not",
         ),
         (
             "32|16@1+ (0.0001",
             "32|16@1- (0.0001",
-            "line 177 of the DBC: Fd_Estimate.Position is not",
+            "line 178 of the DBC: Fd_Estimate.Position is not",
         ),
         (
             "32|16@1+ (0.0001",
             "39|16@0+ (0.0001",
-            "line 177 of the DBC: Fd_Estimate.Position is not",
+            "line 178 of the DBC: Fd_Estimate.Position is not",
         ),
         ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 178 of the DBC: Fd_Estimate.Sigma is not"),
         ("BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 9", "has 9 bytes, expected 8"),

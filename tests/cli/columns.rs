@@ -440,7 +440,7 @@ fn dwells_and_trends_are_those_of_the_monitor_and_of_the_summary() {
 fn the_metadata_tell_units_and_the_page_tells_every_column() {
     let scratch = Scratch::new();
     let folder = scratch.path("columns");
-    let log = scratch.write("part.log", between(&recorded("e-type-healthy.log.zst"), 30.0, 31.0));
+    let log = scratch.write("part.log", between(&recorded("e-type-healthy.log.zst"), 30.0, 33.0));
     tabulate(&log, E_TYPE, &folder, &[]).ok();
     let page = fs::read_to_string(top().join("docs/OUTPUTS.md")).expect("it is there");
     for table in TABLES {

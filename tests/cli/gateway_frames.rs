@@ -369,7 +369,7 @@ struct Estimated {
 impl Estimated {
     fn read(line: &str) -> Self {
         let fields: Vec<&str> = line.split(',').collect();
-        assert_eq!(fields.len(), 6, "{line}");
+        assert_eq!(fields.len(), 7, "{line}");
         let number = |i: usize| fields[i].parse::<f64>().ok();
         Self {
             opened: number(0).expect("a time"),
@@ -406,7 +406,7 @@ fn every_estimate_on_the_bus_is_the_one_in_the_table() {
 
     let table = scratch.read("estimates.csv");
     let mut lines = table.lines();
-    assert_eq!(lines.next(), Some("t,cylinder,estimate,sigma,valid,source"));
+    assert_eq!(lines.next(), Some("t,cylinder,estimate,sigma,valid,source,without"));
     let rows: Vec<Estimated> = lines.map(Estimated::read).collect();
     let frames = sent(&log);
     let first = frames[0].at;

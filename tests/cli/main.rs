@@ -36,4 +36,6 @@ mod report;
 mod residuals;
 mod schema;
 mod simulate;
+mod single;
+mod stamps;
 mod state;

@@ -26,7 +26,7 @@ impl Desk {
     fn new() -> Self {
         let scratch = Scratch::new();
         let log =
-            scratch.write("in.log", between(&recorded("e-type-healthy.log.zst"), 160.0, 161.0));
+            scratch.write("in.log", between(&recorded("e-type-healthy.log.zst"), 160.0, 162.0));
         let config = scratch.config(&[]);
         let table = "cylinder,sensor,kind,t0,magnitude,parameter,t1\n1,C1,step,0,0.01,,\n";
         let faults = scratch.write("faults.csv", table);

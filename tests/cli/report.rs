@@ -286,7 +286,7 @@ fn a_page_is_written_whole_or_not_at_all() {
     let run = tertius(&["replay", &log, "--config", E_TYPE, "--report", &nowhere], b"");
     run.failed(2, &[&nowhere, "cannot be created"]);
     assert!(!fs::exists(scratch.path("no")).expect("it can be asked"));
-    let copy = scratch.write("copy.log", between(&recorded(FAULTS), 0.0, 1.0));
+    let copy = scratch.write("copy.log", between(&recorded(FAULTS), 0.0, 3.0));
     let run = tertius(&["replay", &copy, "--config", E_TYPE, "--report", &copy], b"");
     run.failed(2, &["would be written over the input"]);
     let both = ["replay", &copy, "--config", E_TYPE, "--report", &kept, "--warnings", &kept];

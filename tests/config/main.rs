@@ -10,4 +10,5 @@ mod overrides;
 mod properties;
 mod reading;
 mod schema;
+mod second;
 mod values;

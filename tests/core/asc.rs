@@ -14,7 +14,7 @@ use tertius_testing::oracle;
 const START: i64 = 1_506_783_973_191_000;
 
 /// Logs that python-can reads, too: hexadecimal and decimal, of classic CAN and CAN FD.
-const LOGS: [&str; 3] = [
+const LOGS: [&str; 4] = [
     "date Sat Sep 30 15:06:13.191 2017\n\
      base hex  timestamps absolute\n\
      internal events logged\n\
@@ -41,6 +41,10 @@ const LOGS: [&str; 3] = [
         1.0 CANFD   1 Rx        181  Position                 1 0 9 12 01 02 03 04 05 06 07 08 09 0A 0B 0C   0    0     3000        0        0        0        0        0\n\
         2.0 CANFD   2 Tx   18FEF100x                          0 1 1  1 FF   0    0     3000        0        0        0        0        0\n\
         3.0 CANFD   1 Rx ErrorFrame   \n",
+    "date Fri May 18 3:7:1 pm 2012\n\
+     base hex  timestamps absolute\n\
+     no internal events logged\n\
+        1.5 1  181 Rx d 1 01\n",
 ];
 
 /// A frame as the script prints it.
@@ -137,6 +141,66 @@ fn times_may_count_from_the_event_before() {
     let (frames, _) = read(log.as_bytes());
     let times: Vec<i64> = frames.iter().map(|frame| frame.timestamp.as_nanos()).collect();
     assert_eq!(times, [500_000_000, 1_000_000_000]);
+}
+
+/// Of 2012-05-18.
+const MIDNIGHT: i64 = 1_337_299_200;
+
+/// The times of the frames of a log that begins so, s and µs since the midnight of its date.
+fn times_of_day(head: &str, times: &[&str]) -> Vec<(i64, i64)> {
+    let lines: String = times.iter().map(|time| format!("{time} 1 181 Rx d 1 01\n")).collect();
+    let (frames, statistics) = read(format!("{head}\n{lines}").as_bytes());
+    assert_eq!(statistics.bad_lines, 0, "{head}: {:?}", statistics.first_bad_lines);
+    let micros = |frame: &Frame| frame.timestamp.as_nanos() / 1000 - MIDNIGHT * 1_000_000;
+    frames.iter().map(micros).map(|micros| (micros / 1_000_000, micros % 1_000_000)).collect()
+}
+
+#[test]
+fn times_of_day_count_from_midnight_and_others_from_the_date() {
+    let absolute = "base dec timestamps absolute";
+    let (noon, afternoon) = (12 * 3600 + 37 * 60 + 1, 15 * 3600 + 7 * 60 + 1);
+    for date in [
+        // As it should be, with one digit, and with the halves of the day mistaken.
+        "date Fri May 18 12:37:01 pm 2012",
+        "date Fri May 18 12:37:1 pm 2012",
+        "date Fri May 18 12:37:01.000 am 2012",
+        "date Fri May 18 0:37:1 pm 2012",
+        "date Fri May 18 12:37:01 2012",
+    ] {
+        let head = format!("{date}\n{absolute}");
+        let of_day = times_of_day(&head, &["45421.360200", "45421.380200"]);
+        assert_eq!(of_day, [(noon, 360_200), (noon, 380_200)], "{date}");
+    }
+    let head = format!("date Fri May 18 3:7:1 pm 2012\n{absolute}");
+    assert_eq!(times_of_day(&head, &["54421.5"]), [(afternoon, 500_000)]);
+    assert_eq!(times_of_day(&head, &["0.5", "54421.5"])[1], (2 * afternoon, 500_000));
+    assert_eq!(times_of_day(&head, &["45421.5"]), [(afternoon + 45_421, 500_000)]);
+    let relative = "date Fri May 18 3:7:1 pm 2012\nbase hex timestamps relative";
+    assert_eq!(times_of_day(relative, &["54421.5"]), [(2 * afternoon, 500_000)]);
+    // A log that goes on after midnight.
+    let head = format!("date Fri May 18 11:59:59 pm 2012\n{absolute}");
+    let times = times_of_day(&head, &["86399.5", "0.5", "1.5"]);
+    assert_eq!(times, [(86_399, 500_000), (86_400, 500_000), (86_401, 500_000)]);
+}
+
+#[test]
+fn a_frame_with_a_name_has_its_identifier_at_the_end() {
+    let head = "base hex timestamps absolute\n";
+    let lines = "0.1 1  Rig_Transducers                Rx   d 4 05 32 05 3A  Length = 160000 BitCount = 84 ID = 513\n\
+                 0.2 1  Engine                         Tx   d 1 A1  Length = 1 BitCount = 2 ID = 419361024x\n\
+                 0.3 1  Valve  Rx   r 2  Length = 1 BitCount = 2 ID = 529\n\
+                 0.4 1  4D  Rx   d 1 A1  Length = 1 BitCount = 2 ID = 77\n";
+    let (frames, statistics) = read(format!("{head}{lines}").as_bytes());
+    assert_eq!(statistics.bad_lines, 0, "{:?}", statistics.first_bad_lines);
+    let ids: Vec<_> = frames.iter().map(|it| (it.id.value(), it.id.is_extended())).collect();
+    assert_eq!(ids, [(0x201, false), (0x18FE_F100, true), (0x211, false), (0x4D, false)]);
+    assert_eq!(frames[0].data(), [5, 0x32, 5, 0x3A]);
+    for line in
+        ["0.1 1 Rig Rx d 1 A1\n", "0.1 1 Rig Rx d 1 A1 ID = x\n", "0.1 1 Rig Rx d 1 A1 ID = 2048\n"]
+    {
+        let (frames, statistics) = read(format!("{head}{line}").as_bytes());
+        assert_eq!((frames.len(), statistics.bad_lines), (0, 1), "{line}");
+    }
 }
 
 #[test]

@@ -63,6 +63,55 @@ fn every_kind_of_frame_is_read_as_python_can_reads_it() {
     }
 }
 
+/// A log with one object of type 101, a CAN FD frame of 64 bytes of which so many are stored, with so many bytes behind
+/// them, which its head tells apart.
+fn log_of_fd_64(stored: u8, behind: u8) -> Vec<u8> {
+    let extra = if behind > 0 { 32 + 40 + stored } else { 0 };
+    let mut object = [&b"LOBJ"[..], &[32, 0, 1, 0]].concat();
+    object.extend((72 + u32::from(stored) + u32::from(behind)).to_le_bytes());
+    object.extend([[101, 0, 0, 0], [2, 0, 0, 0], [0; 4]].concat());
+    object.extend(1_000_000_u64.to_le_bytes());
+    object.extend([1, 15, 64, 0, 1, 2, 0, 0, 0, 0, 0, 0, 0, 0x10, 0, 0]);
+    object.extend([0; 19]);
+    object.extend([extra, 0, 0, 0, 0]);
+    object.extend(1..=stored);
+    object.extend(vec![0xEE; behind.into()]);
+    object.resize(object.len().next_multiple_of(4), 0);
+    let length = 32 + object.len() as u32;
+    let mut container =
+        [&b"LOBJ"[..], &[16, 0, 1, 0], &length.to_le_bytes(), &[10, 0, 0, 0]].concat();
+    container.extend([0; 8]);
+    container.extend((object.len() as u32).to_le_bytes());
+    container.extend([0; 4]);
+    let size = u64::from(144 + length);
+    let mut blf = [&b"LOGG"[..], &[144, 0, 0, 0], &[5, 0, 0, 0], &[4, 7, 8, 0]].concat();
+    blf.extend([size, size].map(u64::to_le_bytes).concat());
+    blf.extend([2_u32, 0].map(u32::to_le_bytes).concat());
+    let date: [u16; 8] = [2023, 11, 2, 14, 22, 13, 20, 0];
+    blf.extend([date, date].concat().into_iter().flat_map(u16::to_le_bytes));
+    blf.resize(144, 0);
+    [blf, container, object].concat()
+}
+
+#[test]
+fn what_a_can_fd_frame_lacks_of_its_length_is_zeros() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (stored, behind) in [(64, 0), (48, 0), (48, 8), (5, 0), (0, 0)] {
+        let blf = log_of_fd_64(stored, behind);
+        let (frames, statistics) = read(&blf);
+        assert_eq!((frames.len(), statistics.bad_lines), (1, 0), "{stored} {behind}");
+        let mut data: Vec<u8> = (1..=stored).collect();
+        data.resize(64, 0);
+        assert_eq!(frames[0].data(), data, "{stored} {behind}");
+        let path = folder.path().join("short.blf");
+        fs::write(&path, blf).expect("it can be written");
+        let path = path.display().to_string();
+        let [theirs]: [Vec<Value>; 1] =
+            serde_json::from_str(&oracle::run("blf.py", &["read", &path], "")).expect("JSON");
+        assert_eq!(theirs, [printed(&frames[0], 1)], "{stored} {behind}");
+    }
+}
+
 #[test]
 fn what_python_can_writes_is_the_candump_that_it_was_made_from() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -421,3 +421,19 @@ fn after_the_end_there_is_nothing() {
     assert!(recording.next_frame().unwrap().is_none());
     assert!(recording.next_frame().unwrap().is_none());
 }
+
+/// asc2log of can-utils lets microseconds add up to a million.
+#[test]
+fn a_million_microseconds_are_the_next_second() {
+    let log = "(1614188635.980000) can0 201#01\n(1614188635.1000000) can0 201#02\n\
+               (1614188636.020000) can0 201#03\n(1614188636.1000000) can0 201#04\n";
+    let (frames, statistics) = read(log.as_bytes());
+    assert_eq!(statistics.bad_lines, 0, "{:?}", statistics.first_bad_lines);
+    let times: Vec<i64> =
+        frames.iter().map(|it| it.timestamp.as_nanos() / 10_000_000 - 161_418_863_500).collect();
+    assert_eq!(times, [98, 100, 102, 200]);
+    // Where other time stamps have seven decimals, too, they are tenths of a microsecond.
+    let log = "(1614188635.0990000) can0 201#01\n(1614188635.1000000) can0 201#02\n";
+    let (frames, _) = read(log.as_bytes());
+    assert_eq!(frames[1].timestamp.as_nanos(), 1_614_188_635_100_000_000);
+}

@@ -33,6 +33,7 @@ fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
         process_hours: 0.0,
         side_hours: 0.0,
         hexapod_hours: 0.0,
+        last_hours: 0.0,
         cylinders: 6,
         lag: 0.06,
         trials: 6 * machines,

@@ -157,6 +157,39 @@ fn every_form_of_the_data_has_the_frames_that_were_written() {
     }
 }
 
+/// A logger with a buffer for each group writes each when it is full.
+#[test]
+fn groups_that_were_written_in_turn_are_read_in_the_order_of_time() {
+    let start = excerpt()[0].timestamp.as_nanos();
+    let id = Id::standard(0x123).expect("11 bits");
+    // One a second, which is farther apart than frames of one group are sorted.
+    let frames: Vec<Frame> = (0..60)
+        .map(|n| {
+            let at = Timestamp::from_nanos(start + i64::from(n) * 1_000_000_000);
+            match n % 3 {
+                0 => Frame::new(at, id, Kind::Remote { length: 3 }, &[]),
+                _ => Frame::new(at, id, Kind::Data, &[n, 1, 2]),
+            }
+        })
+        .collect();
+    let (remotes, data): (Vec<Frame>, Vec<Frame>) =
+        frames.iter().cloned().partition(|it| matches!(it.kind, Kind::Remote { .. }));
+    for form in forms() {
+        let bytes = file(Form { whole: true, ..form }, &[data.clone(), remotes.clone()].concat());
+        let (found, statistics) = read(&bytes);
+        assert_eq!(statistics.bad_lines, 0, "{form:?} {:?}", statistics.first_bad_lines);
+        assert_eq!(found, frames, "{form:?}");
+        let others = if form.mixed { frames.len() / 5 } else { 0 };
+        let parts = bytes.len().div_ceil(1 << 16);
+        assert_eq!(statistics.lines as usize, frames.len() + others + parts, "{form:?}");
+    }
+    // What is lost behind a damaged record is told once, and not by each reader.
+    let form = Form { stored: Stored::Block, variable: false, unfinished: 0x25, ..Form::default() };
+    let bytes = file(form, &[data, remotes].concat());
+    let (found, statistics) = read(&bytes[..bytes.len() - 3]);
+    assert_eq!((found.len(), statistics.bad_lines), (frames.len() - 1, 1));
+}
+
 #[test]
 fn a_form_that_python_can_reads_is_read_alike() {
     let folder = tempfile::tempdir().expect("a folder");

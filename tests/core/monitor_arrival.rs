@@ -356,6 +356,8 @@ fn set_clock(by: i64, at: usize, counted: bool, synchronised: bool) -> (usize, u
         }
     }
     monitor.finish(&mut seen);
+    // Whatever is waited for in between, nobody is to blame for a clock.
+    assert_eq!(seen.warnings, [], "{by} µs at frame {at}");
     sequence(&seen)
 }
 
@@ -461,6 +463,55 @@ fn without_the_sync_that_is_configured_a_fast_machine_loses_no_cycle() {
             let counts = monitor.counts();
             let found = (counts.cycles, counts.missing, counts.incomplete, counts.late);
             assert_eq!(found, (CYCLES as u64, 0, 0, 0), "{per_mille} ‰ fast, counter {counted}");
+        }
+    }
+}
+
+/// Cycles that open where all frames of cycle [`EVENT`], Sync included, come once more 3 ms later if `doubled`, or Sync alone
+/// `again` µs after itself; and C1 of cylinder 1 of the next cycle comes `early`, µs after that Sync.
+fn cycles_with(
+    (again, doubled, early): (i64, bool, Option<i64>),
+    counted: bool,
+    synchronised: bool,
+) -> u64 {
+    let counters: &[&str] = if counted { &[] } else { &["c1_counter", "c2_counter"] };
+    let sync: &[&str] = if synchronised { &[] } else { &["sync = "] };
+    let mut monitor = without(&[counters, sync].concat());
+    let mut frames = Vec::new();
+    for k in 0..CYCLES {
+        for mut frame in Cycle::new(k).frames() {
+            if [C1, C1 + 0x10].contains(&frame.id.value()) {
+                frame.buffer_mut()[..2].copy_from_slice(&position(k).to_le_bytes());
+                frame.buffer_mut()[5] = if counted { k as u8 } else { 0 };
+            }
+            let is_sync = frame.id.value() == 0x080;
+            if k == EVENT && (doubled || is_sync) {
+                frames.push(delayed(&frame, again));
+            }
+            let is_early = k == EVENT + 1 && frame.id.value() == C1;
+            let early = early.filter(|_| is_early).map_or(0, |us| us - 20_000);
+            frames.push(delayed(&frame, early));
+        }
+    }
+    frames.sort_by_key(|frame| frame.timestamp);
+    let mut seen = Collected::default();
+    frames.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    monitor.finish(&mut seen);
+    monitor.counts().cycles
+}
+
+/// What comes once more is nothing new, and what is early does not make it so.
+#[test]
+fn a_repeated_sync_opens_no_cycle_for_copies_and_early_readings() {
+    let cases = [
+        ("all twice", (3_000, true, None)),
+        ("early, after a Sync that came twice at once", (50, false, Some(6_000))),
+        ("early, long after a Sync that came again", (3_000, false, Some(18_000))),
+    ];
+    for (counted, synchronised) in [(true, true), (true, false), (false, true), (false, false)] {
+        for (what, case) in cases {
+            let cycles = cycles_with(case, counted, synchronised);
+            assert_eq!(cycles, CYCLES as u64, "{what}, {counted}, Sync {synchronised}");
         }
     }
 }

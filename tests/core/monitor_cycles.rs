@@ -1,10 +1,11 @@
 //! What belongs to one cycle, what is missing, and what time alone brings: the monitor fed with
 //! frames made by hand.
 
-use tertius::alarm::Detector;
+use tertius::alarm::{Detector, Warning};
 use tertius::frame::Frame;
 use tertius::monitor::{Monitor, Notice};
 use tertius::time::Timestamp;
+use tertius::verdict::{Fault, Suspect};
 use tertius_testing::machine::{self, Collected, Cycle, MS, monitor, play};
 
 #[test]
@@ -17,6 +18,62 @@ fn whole_cycles_are_counted_and_quiet() {
     assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
     let judged = seen.records.iter().filter(|record| !record.gated).count();
     assert_eq!(judged, 300, "the observers settle for 50 cycles");
+}
+
+/// Only the commands of a machine, whose transducers are dead from the beginning.
+fn commands(cycles: std::ops::Range<i64>) -> impl Iterator<Item = Frame> {
+    let is_command = |it: &Frame| (0x1A1..=0x1A6).contains(&it.id.value());
+    cycles.flat_map(|k| Cycle::new(k).frames()).filter(is_command)
+}
+
+#[test]
+fn transducers_that_are_dead_from_the_beginning_are_told() {
+    for left_out in [&["sync = "][..], &[]] {
+        let mut monitor = machine::without(left_out);
+        let mut seen = Collected::default();
+        commands(0..9).for_each(|it| monitor.take(&it, &mut seen));
+        assert!(seen.warnings.is_empty(), "so much may be missing at a start");
+        commands(9..50).for_each(|it| monitor.take(&it, &mut seen));
+        for cylinder in 1..=6 {
+            let of = |suspect| {
+                let is = |it: &&Warning| {
+                    (it.cylinder, it.finding.fault, it.finding.suspect)
+                        == (cylinder, Fault::Stale, suspect)
+                };
+                seen.warnings.iter().filter(is).count()
+            };
+            let found = [Suspect::C1, Suspect::C2, Suspect::Process].map(of);
+            assert!(found[0] >= 1 && found[1] >= 1, "{left_out:?} {cylinder}: {:?}", seen.warnings);
+        }
+        assert_eq!(monitor.counts().cycles, 0);
+        // The readings come after all.
+        (50..250).flat_map(|k| Cycle::new(k).frames()).for_each(|it| {
+            if left_out.is_empty() || it.id.value() != 0x080 {
+                monitor.take(&it, &mut seen);
+            }
+        });
+        assert_eq!(
+            (monitor.counts().cycles, monitor.counts().incomplete),
+            (200, 0),
+            "{left_out:?}"
+        );
+        assert!(!seen.record(249, 1).gated, "they are judged");
+    }
+}
+
+/// A bus on which only somebody else's frames are is not known to be this machine's.
+#[test]
+fn without_commands_nothing_is_told_of_transducers_that_never_came() {
+    let mut monitor = machine::without_sync();
+    let mut seen = Collected::default();
+    for k in 0..100 {
+        let frames = Cycle::new(k).frames();
+        frames
+            .iter()
+            .filter(|it| it.id.value() == 0x1C1)
+            .for_each(|it| monitor.take(it, &mut seen));
+    }
+    assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
 }
 
 #[test]

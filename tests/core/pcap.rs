@@ -45,6 +45,26 @@ impl Order {
         self.block(1, &body)
     }
 
+    /// A packet of `-i any`, link type 113: the kind of packet, ARPHRD_CAN, no address, ETH_P_CAN.
+    fn cooked(self, frame: &Frame) -> Vec<u8> {
+        [&[0, 0, 1, 24, 0, 0][..], &[0; 8], &[0, 12], &self.host(frame)].concat()
+    }
+
+    /// The same, of link type 276 and interface 3.
+    fn cooked_2(self, frame: &Frame) -> Vec<u8> {
+        let head = [0, 12, 0, 0, 0, 0, 0, 3, 1, 24, 0, 0];
+        [&head[..], &[0; 8], &self.host(frame)].concat()
+    }
+
+    /// A frame as a cooked capture has it: its identifier in the byte order of the computer.
+    fn host(self, frame: &Frame) -> Vec<u8> {
+        let mut bytes = captured(frame);
+        if !self.0 {
+            bytes[..4].reverse();
+        }
+        bytes
+    }
+
     /// An enhanced packet of an interface, at a count of its unit.
     fn packet(self, interface: u32, count: u64, packet: &[u8]) -> Vec<u8> {
         let length = self.u32(packet.len() as u32);
@@ -140,11 +160,28 @@ fn captures_of_every_form_have_the_frames_that_were_captured() {
         for nanoseconds in [false, true] {
             has(&pcap(order, nanoseconds, 227, &packets(&frames, &[])), &frames, "if0");
         }
-        // -i any: the kind of packet, ARPHRD_CAN, no address, ETH_P_CAN.
-        let cooked = [&[0, 0, 1, 24, 0, 0][..], &[0; 8], &[0, 12]].concat();
-        has(&pcap(order, false, 113, &packets(&frames, &cooked)), &frames, "if0");
-        let cooked = [&[0, 12, 0, 0, 0, 0, 0, 3, 1, 24, 0, 0][..], &[0; 8]].concat();
-        has(&pcap(order, false, 276, &packets(&frames, &cooked)), &frames, "if3");
+        let cooked = |head: &dyn Fn(&Frame) -> Vec<u8>| -> Vec<(i64, Vec<u8>)> {
+            frames.iter().map(|frame| (frame.timestamp.as_nanos(), head(frame))).collect()
+        };
+        has(&pcap(order, false, 113, &cooked(&|it| order.cooked(it))), &frames, "if0");
+        has(&pcap(order, false, 276, &cooked(&|it| order.cooked_2(it))), &frames, "if3");
+    }
+}
+
+/// Two computers wrote a section each, into one file.
+#[test]
+fn a_cooked_identifier_has_the_byte_order_of_its_section() {
+    let frames = excerpt();
+    let section = |order: Order, frames: &[Frame]| {
+        let packets =
+            frames.iter().map(|frame| order.packet(0, micros(frame), &order.cooked_2(frame)));
+        let head = [order.section(), order.interface(276, &[])].concat();
+        std::iter::once(head).chain(packets).collect::<Vec<_>>().concat()
+    };
+    let (first, second) = frames.split_at(frames.len() / 2);
+    for big in [false, true] {
+        let capture = [section(Order(big), first), section(Order(!big), second)].concat();
+        has(&capture, &frames, "if3");
     }
 }
 

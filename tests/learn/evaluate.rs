@@ -61,6 +61,7 @@ fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
         process_hours: 0.0,
         side_hours: 0.0,
         hexapod_hours: 0.0,
+        last_hours: 0.0,
         cylinders: 6,
         lag: 0.06,
         trials,

@@ -12,6 +12,7 @@ fn verdict(n: usize, change: impl FnMut(&mut [Row; 3])) -> Result<(), String> {
 
 fn census(mut change: impl FnMut(&mut [Row; 3])) -> Census {
     let expected = Expectations {
+        seconds: vec![true; 3],
         sample_time: TS,
         area_ratio: 0.5,
         velocity: true,

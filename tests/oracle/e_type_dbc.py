@@ -67,7 +67,7 @@ LAYOUT = {
         0x1D1,
         8,
         {**E2E, **STATES, "Level": plain(48, 3), "Mode": plain(51, 3)}
-        | {"ActiveWarnings": plain(54, 6)},
+        | {"ActiveWarnings": plain(54, 6), "WithoutC2": plain(60, 3)},
     ),
     "Fd_Warning": (
         0x2D1,

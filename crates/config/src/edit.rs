@@ -110,7 +110,9 @@ fn table_unplaced(table: &Table) -> Table {
 /// Whether `learnt` are the tables of a calibration.
 fn is_calibration(learnt: &DocumentMut) -> bool {
     let cylinders = learnt.get("cylinder").and_then(Item::as_array_of_tables);
-    cylinders.is_some_and(|all| all.iter().any(|cylinder| cylinder.contains_key("c2_gain")))
+    let learnt =
+        |cylinder: &Table| cylinder.contains_key("c2_gain") || cylinder.contains_key("process");
+    cylinders.is_some_and(|all| all.iter().any(learnt))
 }
 
 /// Removes what an earlier calibration has learnt of the supply.
@@ -131,7 +133,7 @@ fn put_cylinders(root: &mut Table, learnt: &ArrayOfTables) {
         let place = cylinders.iter().position(|old| number(old) == number(new));
         match place.and_then(|place| cylinders.get_mut(place)) {
             Some(old) => {
-                if new.contains_key("sequential") || new.contains_key("c2_gain") {
+                if ["sequential", "c2_gain", "process"].iter().any(|key| new.contains_key(key)) {
                     // Their keys belong together, and are of one calibration with a and b of (5-20).
                     old.remove("sequential");
                     old.remove("process");

@@ -57,7 +57,9 @@ impl Loaded {
         // It was read before, so that it is TOML.
         let mut whole: Table = self.document.effective().parse().unwrap_or_default();
         let measured = MEASURED.iter().filter_map(|&name| whole.get_key_value(name));
-        let measured: Table = measured.map(|(name, value)| (name.clone(), value.clone())).collect();
+        let mut measured: Table =
+            measured.map(|(name, value)| (name.clone(), value.clone())).collect();
+        forget_second(measured.get_mut("cylinder"));
         remove(whole.get_mut("bus"), "dbc");
         let devices = whole.get_mut("canopen").and_then(|canopen| canopen.get_mut("device"));
         for device in devices.and_then(Value::as_array_mut).into_iter().flatten() {
@@ -70,6 +72,13 @@ impl Loaded {
             recorded: self.settings.calibration.recorded.clone(),
         }
     }
+}
+
+/// Whether a cylinder has a C2 was not measured, and nor was anything of a cylinder of which nothing else is said.
+fn forget_second(cylinders: Option<&mut Value>) {
+    let Some(cylinders) = cylinders.and_then(Value::as_array_mut) else { return };
+    cylinders.iter_mut().for_each(|cylinder| remove(Some(cylinder), "c2"));
+    cylinders.retain(|cylinder| cylinder.as_table().is_none_or(|table| table.len() > 1));
 }
 
 fn remove(table: Option<&mut Value>, key: &str) {

@@ -252,6 +252,15 @@ impl Relations<'_> {
                 "a list in braces has one name for each cylinder, in their order",
             );
         }
+        for (name, _) in signals.named().filter(|(name, _)| name.starts_with("c2_")) {
+            let key = format!("signals.cylinder.{name}");
+            self.require(
+                signals.c2.is_some(),
+                &[&key],
+                format!("`{key}` is there, but `signals.cylinder.c2` is not"),
+                "name the position by C2, too, or leave the key out if there is no second transducer",
+            );
+        }
         for (first, second, key) in [
             (Some(&signals.c1), &signals.c2, "signals.cylinder.c2"),
             (signals.c1_velocity.as_ref(), &signals.c2_velocity, "signals.cylinder.c2_velocity"),
@@ -278,6 +287,7 @@ impl Relations<'_> {
                 format!("`{key}` is {n}, but the machine has {count} cylinders"),
                 "they are numbered from 1; see machine.cylinders",
             );
+            self.second(index, settings);
             let twice = std::mem::replace(&mut seen[usize::from(n)], true);
             self.require(
                 !twice,
@@ -295,6 +305,33 @@ impl Relations<'_> {
                 let table = format!("cylinder[{index}].nonlinear.flow");
                 self.pieces(&table, &flow.samples, &flow.curve, "identify --nonlinear");
             }
+        }
+    }
+
+    /// A cylinder without C2 has nothing that belongs to C2, and one with C2 has its signal.
+    fn second(&mut self, index: usize, settings: &Settings) {
+        let key = |name: &str| format!("cylinder[{index}].{name}");
+        let own = &settings.cylinder[index];
+        if own.c2 {
+            self.require(
+                settings.signals.cylinder.c2.is_some() || !self.document.has(&key("c2")),
+                &[&key("c2")],
+                format!("`{}` is true, but [signals.cylinder] names no `c2`", key("c2")),
+                "name its position as signals.cylinder.c2, or leave the key out",
+            );
+            return;
+        }
+        for name in ["c2_gain", "c2_offset", "sequential"] {
+            self.require(
+                !self.document.has(&key(name)),
+                &[&key(name)],
+                format!(
+                    "`{}` is there, but cylinder {} has no C2 (`c2 = false`)",
+                    key(name),
+                    own.n
+                ),
+                "leave it out, or `c2 = false`",
+            );
         }
     }
 

@@ -86,6 +86,18 @@ impl Settings {
         self.own(n).map_or((1.0, 0.0), |cylinder| (cylinder.c2_gain, cylinder.c2_offset))
     }
 
+    /// Whether cylinder `n` has a C2.
+    pub fn has_c2(&self, n: u8) -> bool {
+        self.signals.cylinder.c2.is_some() && self.own(n).is_none_or(|own| own.c2)
+    }
+
+    /// Every signal of cylinder `n` with its key, without those of a C2 that it does not have; `{n}` is not yet
+    /// replaced.
+    pub fn signals_of(&self, n: u8) -> impl Iterator<Item = (&'static str, &str)> {
+        let has_c2 = self.has_c2(n);
+        self.signals.cylinder.named().filter(move |(key, _)| has_c2 || !key.starts_with("c2"))
+    }
+
     /// Deadline of readings after the opening of their cycle, s.
     pub fn cycle_deadline(&self) -> f64 {
         self.machine.cycle_deadline.unwrap_or(0.8 * self.machine.sample_time)

@@ -64,7 +64,7 @@ fn machine(sheet: &mut RegisterSheet, now: &Snapshot) {
         for which in 0..2 {
             let name = format!("cylinder_{}_c{}", number + 1, which + 1);
             let state = now.cylinders.get(number).map(|cylinder| cylinder.transducers[which]);
-            sheet.u16((&name, "", "state of the transducer, as in Fd_Status: 0 unknown, 1 healthy, 2 suspect, 3 faulty"),
+            sheet.u16((&name, "", "state of the transducer: 0 unknown, 1 healthy, 2 suspect, 3 faulty, 4 not fitted"),
                 state.unwrap_or_default() as u16);
         }
     }
@@ -74,7 +74,7 @@ fn of_cylinder(sheet: &mut RegisterSheet, number: u16, now: &CylinderSnapshot) {
     let name = |what: &str| format!("cylinder_{number}_{what}");
     for (which, lamp) in now.lamps.into_iter().enumerate() {
         let told = "NAMUR NE 107: 0 unknown, 1 good, 2 maintenance required, 3 out of specification, 4 check function, \
-                    5 failure";
+                    5 failure, 6 not fitted";
         sheet.u16((&name(&format!("c{}_lamp", which + 1)), "", told), lamp.number().into());
     }
     for (which, residual) in now.residuals.into_iter().enumerate() {

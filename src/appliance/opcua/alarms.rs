@@ -120,7 +120,7 @@ mod tests {
     fn incident(number: u32, level: Level) -> OpenSlot {
         let begin = Timestamp::from_nanos(1_700_000_000_000_000_000 + i64::from(number));
         let (suspect, fault) = (Suspect::C1, Fault::Abrupt);
-        OpenSlot { number, level, suspect, fault, begin, named: None, worst: None }
+        OpenSlot { number, level, suspect, fault, is_alone: false, begin, named: None, worst: None }
     }
 
     fn state(open: &[OpenSlot]) -> Snapshot {

@@ -2,6 +2,7 @@
 
 use super::cell::{Histogram, State, Total};
 use super::clock::Clock;
+use super::overview::known;
 use super::stops::Reading;
 use super::{Cylinder, Telemetry};
 use crate::alarm::register;
@@ -22,9 +23,9 @@ pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; cha
 /// Names of the modes, by the numbers of Fd_Status.
 pub(super) const MODES: [&str; 5] = ["starting", "monitoring", "gated", "degraded", "stopping"];
 
-/// Names of the transducers' states, by the numbers of Fd_Status.
-pub(in crate::appliance) const TRANSDUCER_STATES: [&str; 4] =
-    ["unknown", "healthy", "suspect", "faulty"];
+/// Names of the transducers' states, by their numbers.
+pub(in crate::appliance) const TRANSDUCER_STATES: [&str; Health::ALL.len()] =
+    ["unknown", "healthy", "suspect", "faulty", "not_fitted"];
 
 /// Names of the alarm levels, by the numbers of Fd_Status.
 pub(super) const ALARM_LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];
@@ -175,7 +176,8 @@ impl View {
         let mut family = out.family("residual_limit", help, unit, MetricType::Gauge)?;
         let facts = self.telemetry.facts();
         for ((number, _), limits) in self.numbered().zip(&facts.limits_m) {
-            for (name, limit) in RESIDUALS.iter().chain(["c1_c2"].iter()).zip(limits) {
+            let named = RESIDUALS.iter().chain(["c1_c2"].iter()).zip(limits);
+            for (name, limit) in named.filter(|(_, limit)| limit.is_finite()) {
                 let labels = [("cylinder", number), ("residual", name)];
                 family.encode_family(&labels)?.encode_gauge(limit)?;
             }
@@ -247,9 +249,8 @@ impl View {
         let evidence = self.telemetry.has_evidence(self.uptime);
         for (number, cylinder) in self.numbered() {
             for (name, state) in TRANSDUCERS.iter().zip(&cylinder.transducers) {
-                let known = State::get(state).filter(|_| evidence);
                 let labels = [("cylinder", number), ("transducer", name)];
-                let state = known.unwrap_or(Health::Unknown as u8);
+                let state = known(State::get(state), evidence) as u8;
                 one_of(&mut family, &labels, &TRANSDUCER_STATES, Some(state))?;
             }
         }

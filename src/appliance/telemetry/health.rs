@@ -149,16 +149,15 @@ impl Telemetry {
         }
     }
 
-    /// Whether each cylinder has a healthy transducer, and no transducer is suspect or faulty. One
-    /// that is not configured is never known.
+    /// Whether each cylinder has a healthy transducer, and no transducer is suspect or faulty.
     fn all_healthy(&self) -> bool {
         let healthy = Some(Health::Healthy as u8);
-        let unknown = Some(Health::Unknown as u8);
+        let neither = [Some(Health::Unknown as u8), Some(Health::NotFitted as u8)];
         let cylinders = self.cylinders();
         let sound = |cylinder: &super::Cylinder| {
             let states = cylinder.transducers.each_ref().map(super::cell::State::get);
             states.contains(&healthy)
-                && states.iter().all(|&state| state == healthy || state == unknown)
+                && states.iter().all(|state| *state == healthy || neither.contains(state))
         };
         !cylinders.is_empty() && cylinders.iter().all(sound)
     }

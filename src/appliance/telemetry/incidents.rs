@@ -12,11 +12,13 @@ use std::sync::atomic::{AtomicI64, AtomicU64, Ordering, fence};
 /// Most tries to read a place that is being written; further ones would see it half old, as long as a frame takes.
 const TRIES: usize = 8;
 
-/// Bits of the marks of a [`Slot`]: whether the suspect is named, and by the end of the fault. Below them is the number
+/// Bits of the marks of a [`Slot`]: whether the suspect is named, and by the end of the fault, and whether the cylinder
+/// has C1 alone. Below them is the number
 /// of the quantity that was largest against its limit, from 1; 0 for none.
 const NAMED: u64 = 0x40;
 const BY_ITS_END: u64 = 0x80;
-const QUANTITY: u64 = 0x3F;
+const ALONE: u64 = 0x20;
+const QUANTITY: u64 = 0x1F;
 
 /// The places for the open incidents of one cylinder. One thread writes.
 #[derive(Debug, Default)]
@@ -44,6 +46,8 @@ pub struct OpenSlot {
     pub level: Level,
     pub suspect: Suspect,
     pub fault: Fault,
+    /// Whether its cylinder has C1 alone.
+    pub is_alone: bool,
     /// Time stamp of its first warning.
     pub begin: Timestamp,
     /// When the suspect was named.
@@ -94,7 +98,8 @@ impl OpenSlot {
         let kind = story::what(self.suspect, self.fault);
         let worst = self.worst.map(|it| story::largest(it.quantity, it.peak, it.limit));
         let named = story::naming(self.begin, self.named);
-        story::line_of((cylinder, self.suspect, self.level), named, kind, worst)
+        let whom = story::whom(self.suspect, self.is_alone);
+        story::line_of((cylinder, whom, self.level), named, kind, worst)
     }
 }
 
@@ -106,7 +111,8 @@ impl Slot {
         self.peak.set(worst.map(|(_, peak)| peak.value.abs()));
         self.limit.set(worst.map(|(quantity, _)| incident.limits[quantity as usize]));
         let named = incident.named.map_or(0, |it| NAMED | u64::from(it.by_its_end) * BY_ITS_END);
-        let marks = named | worst.map_or(0, |(quantity, _)| quantity as u64 + 1);
+        let alone = u64::from(incident.is_alone()) * ALONE;
+        let marks = named | alone | worst.map_or(0, |(quantity, _)| quantity as u64 + 1);
         let (number, level) = (u64::from(incident.number), incident.level as u64);
         let (suspect, fault) = (incident.suspect as u64, incident.fault as u64);
         let packed = number << 32 | marks << 24 | level << 16 | suspect << 8 | fault;
@@ -144,6 +150,7 @@ impl Slot {
             level: *Level::ALL.get(byte(16))?,
             suspect: *Suspect::ALL.get(byte(8))?,
             fault: *Fault::ALL.get(byte(0))?,
+            is_alone: marks & ALONE > 0,
             begin: time(&self.begin),
             named: Some(named).filter(|_| marks & NAMED > 0),
             worst,

@@ -16,6 +16,8 @@ pub enum Lamp {
     /// Its readings on the stops drift.
     MaintenanceRequired,
     Good,
+    /// The cylinder does not have it; no category of NE 107.
+    NotFitted,
     /// There is no evidence either way, or a category that this version does not know.
     #[serde(other)]
     Unknown,
@@ -25,6 +27,7 @@ impl Lamp {
     /// The lamp of a transducer that is `health`, whose device `is_idle`, and which the stops say `drifts`.
     pub const fn new(health: Health, is_idle: bool, drifts: bool) -> Self {
         match (health, is_idle, drifts) {
+            (Health::NotFitted, ..) => Self::NotFitted,
             (Health::Faulty, ..) => Self::Failure,
             (_, true, _) => Self::CheckFunction,
             (Health::Suspect, ..) => Self::OutOfSpecification,
@@ -43,6 +46,7 @@ impl Lamp {
             Self::OutOfSpecification => 3,
             Self::CheckFunction => 4,
             Self::Failure => 5,
+            Self::NotFitted => 6,
         }
     }
 
@@ -54,6 +58,7 @@ impl Lamp {
             Self::OutOfSpecification => "out of specification",
             Self::MaintenanceRequired => "maintenance required",
             Self::Good => "good",
+            Self::NotFitted => "not fitted",
             Self::Unknown => "unknown",
         }
     }
@@ -67,6 +72,7 @@ mod tests {
     fn only_evidence_is_good_and_a_failure_outranks_all() {
         for (is_idle, drifts) in [(false, false), (false, true), (true, false), (true, true)] {
             assert_eq!(Lamp::new(Health::Faulty, is_idle, drifts), Lamp::Failure);
+            assert_eq!(Lamp::new(Health::NotFitted, is_idle, drifts), Lamp::NotFitted);
             for health in [Health::Unknown, Health::Suspect, Health::Healthy] {
                 let good = health == Health::Healthy && !is_idle && !drifts;
                 assert_eq!(Lamp::new(health, is_idle, drifts) == Lamp::Good, good);

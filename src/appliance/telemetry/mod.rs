@@ -133,7 +133,8 @@ pub struct MachineFacts {
     pub calibration_recorded: Option<String>,
     /// Whether the configuration has a model of the machine.
     pub has_model: bool,
-    /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
+    /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m; infinite, and `null` in JSON, where
+    /// there is no such quantity.
     pub limits_m: Vec<[f64; QUANTITIES]>,
     /// Numbers and names of the platform's states.
     pub platform_states: Vec<(i64, String)>,
@@ -313,7 +314,8 @@ impl Telemetry {
             cylinder.residuals.iter().for_each(|residual| residual.set(None));
             cylinder.measured.set(None);
             let transducers = cylinder.transducers.iter();
-            transducers.for_each(|transducer| transducer.set(Some(Health::Unknown as u8)));
+            let fitted = transducers.filter(|it| it.get() != Some(Health::NotFitted as u8));
+            fitted.for_each(|transducer| transducer.set(Some(Health::Unknown as u8)));
         }
         self.mode.set(None);
         self.heard.store(0, Ordering::Relaxed);

@@ -82,16 +82,18 @@ impl Telemetry {
         health: &HealthReport,
     ) -> CylinderOverview {
         let now = |gauge: &Gauge| gauge.get().filter(|_| evidence);
+        let second = known(State::get(&cylinder.transducers[1]), evidence);
+        let is_alone = second == Health::NotFitted;
         let transducer = |which: usize| {
-            let state = State::get(&cylinder.transducers[which]).filter(|_| evidence);
+            let state = known(State::get(&cylinder.transducers[which]), evidence);
             let idle = evidence && cylinder.idle[which].load(Ordering::Relaxed);
             let is = |it: &Drifting| it.cylinder == number && it.transducer == TRANSDUCERS[which];
             let drifts = health.drifting.iter().any(is);
-            let lamp = Lamp::new(known(state), idle, drifts);
+            let lamp = Lamp::new(state, idle, drifts);
             let reading = &cylinder.stop.readings[which];
             TransducerOverview {
                 lamp,
-                words: words(lamp, (number, TRANSDUCERS[which]), health),
+                words: words(lamp, (number, TRANSDUCERS[which]), is_alone, health),
                 drift_mm_per_month: reading.drift.get().map(|drift| drift * 1e3),
                 error_mm_per_month: reading.error.get().map(|error| error * 1e3),
                 months_left: reading.left.each_ref().map(Gauge::get),
@@ -123,12 +125,20 @@ impl Cylinder {
     }
 }
 
-pub(super) fn known(state: Option<u8>) -> Health {
-    Health::ALL.into_iter().find(|health| Some(*health as u8) == state).unwrap_or_default()
+/// The state of that number; unknown without `evidence`, which what is not fitted does not need.
+pub(super) fn known(state: Option<u8>, evidence: bool) -> Health {
+    let is = |health: &Health| Some(*health as u8) == state;
+    let known = Health::ALL.into_iter().find(is);
+    known.filter(|health| evidence || *health == Health::NotFitted).unwrap_or_default()
 }
 
 /// Words for the lamp of a transducer of the cylinder, with their reason.
-fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthReport) -> String {
+fn words(
+    lamp: Lamp,
+    (cylinder, transducer): (usize, &str),
+    is_alone: bool,
+    health: &HealthReport,
+) -> String {
     let incident = |suspects: &[&str]| {
         let mut incidents = health.incidents.iter();
         let of = |it: &&OpenIncident| it.cylinder == cylinder && suspects.contains(&it.suspect);
@@ -139,6 +149,7 @@ fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthRepor
         // The evidence of an incident may name one when the newest warning names neither.
         Lamp::OutOfSpecification => match incident(&[transducer]) {
             Some(kind) => kind,
+            None if is_alone => "it may be this one, or the cylinder",
             None if incident(&["undecided"]).is_some() => "it may be this one or the other",
             None if incident(&["c1", "c2"]).is_some() => {
                 "the other one is suspected; this one is not cleared yet"
@@ -147,7 +158,7 @@ fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthRepor
         },
         Lamp::MaintenanceRequired => "its readings on the stops drift",
         Lamp::CheckFunction => "its device is not operational",
-        Lamp::Good => "",
+        Lamp::Good | Lamp::NotFitted => "",
         Lamp::Unknown => match health.mode {
             _ if health.seconds_since_frame.is_none_or(|time| time > EVIDENCE.as_secs_f64()) => {
                 "no frames"
@@ -166,6 +177,20 @@ mod tests {
     use super::super::clock::SystemClock;
     use super::*;
 
+    #[test]
+    fn what_is_not_fitted_is_so_without_evidence_and_has_no_reason() {
+        let telemetry = Telemetry::new(&SystemClock::new());
+        let health = telemetry.health(Duration::ZERO);
+        for evidence in [false, true] {
+            assert_eq!(known(Some(Health::NotFitted as u8), evidence), Health::NotFitted);
+        }
+        assert_eq!(known(Some(Health::Healthy as u8), false), Health::Unknown);
+        assert_eq!(known(Some(Health::Healthy as u8), true), Health::Healthy);
+        assert_eq!(words(Lamp::NotFitted, (2, "c2"), true, &health), "not fitted");
+        let alone = words(Lamp::OutOfSpecification, (2, "c1"), true, &health);
+        assert_eq!(alone, "out of specification: it may be this one, or the cylinder");
+    }
+
     /// What is said of C1 and C2 of cylinder 2 when both have this lamp, while an incident blames `suspect`.
     fn said(lamp: Lamp, suspect: &'static str) -> [String; 2] {
         let telemetry = Telemetry::new(&SystemClock::new());
@@ -179,7 +204,7 @@ mod tests {
             kind: "step",
             ..OpenIncident::default()
         }];
-        TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), &health))
+        TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), false, &health))
     }
 
     #[test]

@@ -78,13 +78,14 @@ pub struct Points {
 const CONDITIONS: [&str; 4] = ["ok", "unknown", "degraded", "down"];
 
 /// Lamps by their numbers over Modbus.
-const LAMPS: [&str; 6] = [
+const LAMPS: [&str; 7] = [
     "unknown",
     "good",
     "maintenance_required",
     "out_of_specification",
     "check_function",
     "failure",
+    "not_fitted",
 ];
 
 const SUSPECTS: [&str; Suspect::ALL.len()] = {
@@ -185,7 +186,7 @@ fn of_cylinder(number: usize, now: &CylinderSnapshot) -> Vec<Point> {
     let mut list = Listing { prefix: format!("cylinder_{number}_"), points: Vec::new() };
     for (which, health) in ["c1", "c2"].into_iter().zip(now.transducers) {
         let known = (health != Health::Unknown).then_some(health as u8);
-        list.choice((which, "state of the transducer, as in Fd_Status"), &TRANSDUCER_STATES, known);
+        list.choice((which, "state of the transducer"), &TRANSDUCER_STATES, known);
     }
     for (which, lamp) in ["c1_lamp", "c2_lamp"].into_iter().zip(now.lamps) {
         let known = (lamp != Lamp::Unknown).then_some(lamp.number());
@@ -260,6 +261,7 @@ mod tests {
             Lamp::OutOfSpecification,
             Lamp::CheckFunction,
             Lamp::Failure,
+            Lamp::NotFitted,
         ] {
             let name = serde_json::to_value(lamp).expect("a name");
             assert_eq!(name, LAMPS[usize::from(lamp.number())]);
@@ -272,6 +274,7 @@ mod tests {
                 level,
                 suspect,
                 fault,
+                is_alone: false,
                 begin,
                 named: None,
                 worst: None,

@@ -125,7 +125,7 @@ impl Cylinder {
     fn snapshot(&self, evidence: bool, drifts: [bool; 2]) -> CylinderSnapshot {
         let now = |gauge: &Gauge| gauge.get().filter(|_| evidence);
         let transducers = self.transducers.each_ref();
-        let transducers = transducers.map(|it| known(State::get(it).filter(|_| evidence)));
+        let transducers = transducers.map(|it| known(State::get(it), evidence));
         let lamp = |which: usize| {
             let idle = evidence && self.idle[which].load(Ordering::Relaxed);
             Lamp::new(transducers[which], idle, drifts[which])

@@ -2,9 +2,11 @@
 //!
 //! A head tells the date, the base of identifiers and data (hexadecimal or decimal), and whether times count from
 //! the start or from the event before. An event is a line that begins with its time, s; frames are those with a channel,
-//! an identifier and a direction. The date is the local time of the recording computer, which does not tell its zone,
-//! and is taken as UTC.
+//! an identifier and a direction. Some tools write times of day instead, which the first frame shows. A frame may have
+//! its name in a database in place of its identifier, which then stands at the end of the line. The date is the local
+//! time of the recording computer, which does not tell its zone, and is taken as UTC.
 
+mod date;
 mod writer;
 
 use crate::bus::encoder::Written;
@@ -13,10 +15,10 @@ use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 
-use super::candump::stamp::Stamp;
 use super::decimal::number;
 use super::hex;
 use super::token::{is_blank, token};
+use date::{Date, Origin};
 
 pub static FORMAT: Format = Format {
     name: "a Vector log in ASC",
@@ -42,6 +44,8 @@ const BIT_RATE_SWITCH: u8 = 1;
 const ERROR_STATE: u8 = 2;
 /// Most digits of a channel.
 const CHANNEL: usize = 3;
+/// What stands before an identifier at the end of a line.
+const ID: &[u8] = b" ID ";
 
 /// By `base hex` or `base dec` in one of the first lines, after the date or comments.
 fn recognise(head: &[u8]) -> Option<bool> {
@@ -78,8 +82,10 @@ struct Asc {
     base: u32,
     /// Whether times count from the event before.
     relative: bool,
-    /// Start since 1970, ns.
-    start: Option<i64>,
+    /// The date of the start.
+    start: Option<Date>,
+    /// What times count from; `None` before the first frame behind a date.
+    origin: Option<Origin>,
     /// Time of the newest event since the start, ns.
     now: i128,
     /// Name of the newest frame's interface, for example `channel1`.
@@ -88,7 +94,8 @@ struct Asc {
 
 impl Default for Asc {
     fn default() -> Self {
-        Self { base: 16, relative: false, start: None, now: 0, interface: Vec::new() }
+        let (start, origin, interface) = (None, None, Vec::new());
+        Self { base: 16, relative: false, start, origin, now: 0, interface }
     }
 }
 
@@ -114,12 +121,12 @@ impl Asc {
             return self.event(word, rest, frame);
         }
         match word.to_ascii_lowercase().as_slice() {
-            b"date" => self.start = Some(date(rest)?),
+            b"date" => self.begin(rest)?,
             b"base" => self.head(rest)?,
             b"begin" => {
                 let (_, when) = token(rest);
                 if !when.trim_ascii().is_empty() {
-                    self.start = Some(date(when)?);
+                    self.begin(when)?;
                 }
             }
             b"" | b"end" | b"internal" | b"no" | [b'/', b'/', ..] => {}
@@ -130,6 +137,12 @@ impl Asc {
             }
         }
         Ok(false)
+    }
+
+    /// Takes the date of the start.
+    fn begin(&mut self, text: &[u8]) -> Result<(), Reason> {
+        (self.start, self.origin) = (Some(Date::parse(text)?), None);
+        Ok(())
     }
 
     /// Takes what follows `base`.
@@ -166,9 +179,20 @@ impl Asc {
         };
         let Some(length) = length else { return Ok(false) };
         frame.set_length(length);
-        let nanos = i64::try_from(i128::from(self.start.unwrap_or(0)) + self.now);
-        frame.timestamp = Timestamp::from_nanos(nanos.map_err(|_| Reason::StampRange)?);
+        let nanos = i64::try_from(self.since_1970()).map_err(|_| Reason::StampRange)?;
+        frame.timestamp = Timestamp::from_nanos(nanos);
         Ok(true)
+    }
+
+    /// Time of the newest event since 1970, or since the start where there is no date, ns.
+    fn since_1970(&mut self) -> i128 {
+        let Some(start) = self.start else { return self.now };
+        let (relative, now) = (self.relative, self.now);
+        let origin = self.origin.get_or_insert_with(|| match relative {
+            true => Origin::start(start),
+            false => Origin::of(start, now),
+        });
+        origin.since_1970(now)
     }
 
     /// Names the interface after its channel.
@@ -195,7 +219,10 @@ impl Asc {
         if !is(direction, "Rx") && !is(direction, "Tx") {
             return Ok(None);
         }
-        frame.id = self.identifier(id)?;
+        frame.id = match self.identifier(id) {
+            Ok(id) => id,
+            Err(reason) => named_identifier(rest).ok_or(reason)?,
+        };
         let (kind, rest) = token(rest);
         let (code, data) = token(rest);
         match kind {
@@ -310,6 +337,17 @@ impl Asc {
     }
 }
 
+/// The identifier at the end of the line of a frame that has a name in its place: `… BitCount = 84 ID = 513`, in decimal,
+/// with an `x` after an extended one.
+fn named_identifier(text: &[u8]) -> Option<Id> {
+    let at = text.windows(ID.len()).rposition(|word| word.eq_ignore_ascii_case(ID))?;
+    let (sign, rest) = token(&text[at + ID.len()..]);
+    let (word, _) = token(rest);
+    let extended = word.strip_suffix(b"x").or(word.strip_suffix(b"X"));
+    let value = value(extended.unwrap_or(word), 10).filter(|_| sign == b"=")?;
+    if extended.is_some() { Id::extended(value) } else { Id::standard(value) }
+}
+
 fn error(frame: &mut Frame) -> Result<usize, Reason> {
     frame.id = Id::extended(BUS_ERROR).ok_or(Reason::ExtendedRange(BUS_ERROR))?;
     frame.kind = Kind::Error;
@@ -321,50 +359,4 @@ fn value(digits: &[u8], base: u32) -> Option<u32> {
     let digit = |byte: &u8| char::from(*byte).to_digit(base);
     let add = |value: u32, byte: &u8| value.checked_mul(base)?.checked_add(digit(byte)?);
     Some(digits).filter(|digits| !digits.is_empty())?.iter().try_fold(0, add)
-}
-
-/// The first letters of the months, in English and, where they differ, German.
-const MONTHS: [&[&str]; 12] = [
-    &["jan"],
-    &["feb"],
-    &["mar", "mär", "mrz"],
-    &["apr"],
-    &["may", "mai"],
-    &["jun"],
-    &["jul"],
-    &["aug"],
-    &["sep"],
-    &["oct", "okt"],
-    &["nov"],
-    &["dec", "dez"],
-];
-
-/// Nanoseconds from 1970 to a date such as `Sat Sep 30 15:06:13.191 2017` or `Sat Sep 30 03:06:13 pm 2017`.
-fn date(text: &[u8]) -> Result<i64, Reason> {
-    let expected = "a date such as Sat Sep 30 15:06:13.191 2017";
-    let none = || Reason::Expected { found: Found::first(text.trim_ascii()), expected };
-    let text = String::from_utf8_lossy(text).to_lowercase();
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let (month, day, time, half, year) = match words[..] {
-        [_, month, day, time, year] => (month, day, time, None, year),
-        [_, month, day, time, half, year] => (month, day, time, Some(half), year),
-        _ => return Err(none()),
-    };
-    let is_month = |names: &&[&str]| names.iter().any(|name| month.starts_with(name));
-    let month = 1 + MONTHS.iter().position(is_month).ok_or_else(none)?;
-    let (hour, rest) = time.split_once(':').ok_or_else(none)?;
-    let hour: u32 = hour.parse().map_err(|_| none())?;
-    let hour = match half {
-        None => hour,
-        Some("am") if (1..=12).contains(&hour) => hour % 12,
-        Some("pm") if (1..=12).contains(&hour) => hour % 12 + 12,
-        Some(_) => return Err(none()),
-    };
-    let day: u32 = day.parse().map_err(|_| none())?;
-    let stamp = format!("{year}-{month:02}-{day:02} {hour:02}:{rest}");
-    match Stamp::parse(stamp.as_bytes()) {
-        Ok(stamp) => Ok(stamp.nanos),
-        Err(Reason::StampRange) => Err(Reason::StampRange),
-        Err(_) => Err(none()),
-    }
 }

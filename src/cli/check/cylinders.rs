@@ -6,6 +6,7 @@ use crate::config::Settings;
 use crate::frame::BusNumber;
 use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
+use crate::sample::Transducer;
 
 /// A block for each cylinder that is judged as no other one is. Of others there is one block for all that are alike,
 /// and then for each of them the lines that are its own.
@@ -52,13 +53,19 @@ fn judged(machine: &Machine, n: u8) -> String {
     let model = Model::new(settings.machine.sample_time, theta, gamma);
     let cylinder = &machine.design.cylinders[usize::from(n) - 1];
     let mut text = format!("  model     {}\n", poles(&model));
-    for (observer, name) in cylinder.observers.iter().zip(["FDE1", "FDE2"]) {
+    let has_c2 = cylinder.has(Transducer::C2);
+    let names = if has_c2 { &["FDE1", "FDE2"][..] } else { &["FDE1"] };
+    for (observer, name) in cylinder.observers.iter().zip(names) {
         let l = observer.l.column(0);
         let gain = format!("{:.4}, {:.4}, {:.1}", l[0], l[1], l[2]);
         text += &format!("  {name}      gain of the position's innovation {gain}\n");
     }
     let (gain, offset) = (cylinder.comparator.gain, cylinder.comparator.offset);
-    text += &format!("  FDE3      C1 − {}\n", corrected(gain, offset));
+    text += &match has_c2 {
+        true => format!("  FDE3      C1 − {}\n", corrected(gain, offset)),
+        false => "  C2        not fitted, so nothing is compared: no FDE2, no FDE3, no sequential detector\n"
+            .to_owned(),
+    };
     if let Some(process) = process(machine, n) {
         text += &format!("  process   {process}\n");
     }
@@ -103,7 +110,8 @@ fn estimate(settings: &Settings, n: u8) -> String {
     let by = drive.map_or("the model", |_| "the fitted drive");
     let bound = settings.estimate.bound * 1e3;
     let sent = if settings.estimate.send { "sent" } else { "not sent" };
-    format!("both transducers and {by}; valid up to σ = {bound} mm; {sent}")
+    let of = if settings.has_c2(n) { "both transducers" } else { "C1" };
+    format!("{of} and {by}; valid up to σ = {bound} mm; {sent}")
 }
 
 fn poles(model: &Model) -> String {

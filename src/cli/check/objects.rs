@@ -17,7 +17,6 @@ pub(super) fn messages(machine: &Machine) -> String {
 
 /// A line for each signal of cylinder `n` that is an object.
 pub(super) fn of_cylinder(machine: &Machine, n: u8) -> String {
-    let signals = &machine.loaded.settings.signals.cylinder;
     let line = |(key, pattern): (&str, &str)| {
         let name = CylinderSignals::of_cylinder(pattern, n);
         let (message, signal) = machine.database.signal(&name).ok()?;
@@ -33,7 +32,7 @@ pub(super) fn of_cylinder(machine: &Machine, n: u8) -> String {
             )
         })
     };
-    signals.named().filter_map(line).collect()
+    machine.loaded.settings.signals_of(n).filter_map(line).collect()
 }
 
 /// A line for each device of cylinder `n`: by which frames it tells of itself, and when it is lost.

@@ -33,8 +33,9 @@ pub enum News {
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct WatchedMachine {
     pub name: String,
-    /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
-    pub limits_m: Vec<Vec<f64>>,
+    /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m; `None` where there is no such
+    /// quantity.
+    pub limits_m: Vec<Vec<Option<f64>>>,
 }
 
 /// As `/api/overview` answers.

@@ -111,7 +111,7 @@ impl Picture {
     /// Limits of R1, R2 and R3 of a cylinder, m.
     pub fn limits(&self, number: usize) -> [Option<f64>; 3] {
         let limits = number.checked_sub(1).and_then(|index| self.machine.limits_m.get(index));
-        std::array::from_fn(|which| limits.and_then(|it| it.get(which)).copied())
+        std::array::from_fn(|which| *limits.and_then(|it| it.get(which))?)
     }
 
     /// The last minutes of a cylinder.
@@ -131,13 +131,14 @@ pub fn badness(cylinder: &WatchedCylinder, limits: [Option<f64>; 3]) -> (usize, 
     (c1.min(c2), shares.fold(0.0, f64::max))
 }
 
-const WORST_FIRST: [Lamp; 6] = [
+const WORST_FIRST: [Lamp; 7] = [
     Lamp::Failure,
     Lamp::OutOfSpecification,
     Lamp::CheckFunction,
     Lamp::MaintenanceRequired,
     Lamp::Unknown,
     Lamp::Good,
+    Lamp::NotFitted,
 ];
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use super::super::machine::Machine;
 use crate::bus::{Interfaces, Statistics};
 use crate::frame::{Frame, Kind};
 use crate::monitor::Monitor;
-use crate::report::judgement::{MissedStates, RecordedFacts};
+use crate::report::judgement::{Judged, MissedStates, RecordedFacts};
+use crate::report::stamps::Stamped;
 use crate::report::{Judgement, OffPace, RecordedPace};
 
 /// Most states that are told.
@@ -48,19 +49,23 @@ impl Witness {
         self.pace.off().iter().map(OffPace::text).map(str::to_owned).collect()
     }
 
-    /// Whether anything was judged by a `monitor` that `goes_on` from another recording or began anew.
+    /// Whether anything was judged by a `monitor` that `goes_on` from another recording or began anew, in a recording that
+    /// was `stamped` so.
     pub fn judgement(
         &self,
         machine: &Machine,
         (interfaces, statistics): (&Interfaces, &Statistics),
         monitor: &Monitor,
         goes_on: bool,
+        stamped: Stamped,
     ) -> Judgement {
         let counts = monitor.counts();
         let (design, used) = (&machine.design, counts.used);
         let recorded = RecordedFacts { statistics, interfaces, design, used, goes_on };
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
-        Judgement::new(&recorded, counts, &tallies, self.missed(machine, monitor).as_ref())
+        let unjudged = monitor.unjudged().collect::<Vec<_>>();
+        let judged = Judged { counts, tallies: &tallies, unjudged: &unjudged };
+        Judgement::new(&recorded, &judged, stamped, self.missed(machine, monitor).as_ref())
     }
 
     /// The states of the platform, if it was never in a monitored one.

@@ -3,6 +3,7 @@
 mod contest;
 mod handover;
 mod hexapod;
+mod last;
 mod process;
 mod side;
 mod weights;
@@ -71,6 +72,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.extend(evaluation.handover.iter().flat_map(handover::sections));
     sections.extend(evaluation.side.iter().flat_map(side::sections));
     sections.extend(evaluation.hexapod.iter().flat_map(hexapod::sections));
+    sections.extend(evaluation.last.iter().flat_map(last::sections));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

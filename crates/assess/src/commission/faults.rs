@@ -87,16 +87,16 @@ impl Planned {
     }
 }
 
-/// All faults of `cylinders`, spread over the `blocks`, in the order in which they begin; `second`:
-/// the cylinders have a C2.
-pub fn plan(blocks: &Blocks, cylinders: &[u8], second: bool) -> Vec<Planned> {
+/// All faults of `cylinders`, spread over the `blocks`, in the order in which they begin; `has_c2` tells whether a
+/// cylinder has a C2.
+pub fn plan(blocks: &Blocks, cylinders: &[u8], has_c2: impl Fn(u8) -> bool) -> Vec<Planned> {
     let spans = blocks.spans();
-    let transducers = if second { &[Suspect::C1, Suspect::C2][..] } else { &[Suspect::C1] };
+    let both = [Suspect::C1, Suspect::C2];
     let mut planned = Vec::new();
     for number in 0..EACH {
         for kind in KINDS {
             for cylinder in cylinders {
-                for transducer in transducers {
+                for transducer in if has_c2(*cylinder) { &both[..] } else { &both[..1] } {
                     let place = planned.len();
                     let along = (place as f64 * GOLDEN).fract() * spans.len() as f64;
                     let Some([from, to]) = spans.get(along as usize) else { continue };
@@ -133,7 +133,7 @@ mod tests {
     fn faults_begin_and_end_in_what_is_held_back() {
         let window = survey::Window { from: 0.0, to: 900.0 };
         let blocks = Blocks::of(window, survey::Ranking::default());
-        let planned = plan(&blocks, &[1, 2, 4], true);
+        let planned = plan(&blocks, &[1, 2, 4], |_| true);
         assert_eq!(planned.len(), 2 * KINDS.len() * 3 * EACH);
         for one in &planned {
             assert!(blocks.hold(one.begin[0]) && blocks.hold(one.begin[1] + one.watch - 1e-6));
@@ -144,6 +144,6 @@ mod tests {
             let within = planned.iter().filter(|it| (from..to).contains(&it.begin[0])).count();
             assert!(within >= 8, "{within} in {from}");
         }
-        assert_eq!(plan(&blocks, &[1], false).len(), KINDS.len() * EACH);
+        assert_eq!(plan(&blocks, &[1], |_| false).len(), KINDS.len() * EACH);
     }
 }

@@ -223,11 +223,14 @@ impl<F: Frames> Lesson<'_, F> {
         taught.refuse(Stage::Calibrate, result.refusals());
         let learnt = tables::calibration::of(&result, version);
         let usable = result.usable(settings.comparator.critical);
+        let has_c2 = result.has_c2();
         taught.calibration = Some(result);
         usable.map_err(failed)?;
-        let none = || failed(nothing(taught, "no cylinder has a calibration"));
-        let learnt = learnt.ok_or_else(none)?;
-        taught.put(&learnt, &[]).map_err(failed)
+        match learnt {
+            Some(learnt) => taught.put(&learnt, &[]).map_err(failed),
+            None if has_c2 => Err(failed(nothing(taught, "no cylinder has a calibration"))),
+            None => Ok(()),
+        }
     }
 
     fn tune(&self, taught: &mut Taught, cuts: &Cuts) -> Result<(), Stopped<F::Error>> {

@@ -140,8 +140,7 @@ impl Course<'_> {
         let refused = self.rehearsal.refused_cylinders();
         let sound = |n: &u8| !refused.contains(n) && !self.refused.contains(n);
         let cylinders: Vec<u8> = (1..=settings.machine.cylinders).filter(sound).collect();
-        let second = settings.signals.cylinder.c2.is_some();
-        let planned = faults::plan(self.blocks, &cylinders, second);
+        let planned = faults::plan(self.blocks, &cylinders, |n| settings.has_c2(n));
         let injectors = planned.iter().map(|one| {
             let placed = place(&one.fault(), &settings, database).ok()?;
             Some((*one, Injector::new(&[placed], one.number as u64)))

@@ -162,7 +162,7 @@ impl Stand<'_> {
 
 /// Lengths of all cylinders as a noiseless C1 would read them, m. C1's own calibration error is
 /// unknown to anyone on the bus.
-fn sound(simulator: &Simulator) -> [f64; CYLINDERS] {
+pub(super) fn sound(simulator: &Simulator) -> [f64; CYLINDERS] {
     std::array::from_fn(|leg| simulator.machine().calibrated(leg))
 }
 

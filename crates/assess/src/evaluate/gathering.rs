@@ -7,6 +7,7 @@ use super::figures::Figures;
 use super::handover::{HandoverGathering, HandoverResult};
 use super::healthy::Healthy;
 use super::hexapod::{HexapodGathering, HexapodResult};
+use super::last::{LastGathering, LastResult};
 use super::learning::Learnt;
 use super::outcome::Outcome;
 use super::plan::{Cell, Job, Plan, Product};
@@ -48,6 +49,9 @@ pub struct Evaluation {
     /// Drifts that the deck's attitude names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hexapod: Option<HexapodResult>,
+    /// Faults of the last transducer of a cylinder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub last: Option<LastResult>,
 }
 
 /// A row with its figures.
@@ -104,6 +108,7 @@ pub struct Gathering<'a> {
     handover: Option<HandoverGathering<'a>>,
     side: Option<SideGathering<'a>>,
     hexapod: Option<HexapodGathering<'a>>,
+    last: Option<LastGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -128,6 +133,7 @@ impl<'a> Gathering<'a> {
             handover: plan.handover.as_ref().map(HandoverGathering::new),
             side: plan.side.as_ref().map(SideGathering::new),
             hexapod: plan.hexapod.as_ref().map(HexapodGathering::new),
+            last: plan.last.as_ref().map(|last| LastGathering::new(last, sample_time)),
             estimates: BTreeMap::new(),
         }
     }
@@ -175,6 +181,11 @@ impl<'a> Gathering<'a> {
                     hexapod.take(job, product);
                 }
             }
+            (Job::Last(job), Product::Last(product)) => {
+                if let Some(last) = &mut self.last {
+                    last.take(job, product);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
@@ -188,6 +199,7 @@ impl<'a> Gathering<'a> {
                 | Job::Handover(_)
                 | Job::Side(_)
                 | Job::Hexapod(_)
+                | Job::Last(_)
                 | Job::Estimate { .. },
                 _,
             ) => {}
@@ -208,6 +220,7 @@ impl<'a> Gathering<'a> {
             handover: self.handover.as_ref().map(HandoverGathering::finish),
             side: self.side.as_ref().map(SideGathering::finish),
             hexapod: self.hexapod.as_ref().map(HexapodGathering::finish),
+            last: self.last.as_ref().map(LastGathering::finish),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

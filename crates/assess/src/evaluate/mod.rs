@@ -15,7 +15,8 @@
 //!
 //! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
 //! cylinders themselves, [`handover`] what it is worth that a machine hears who is blamed, [`side`] whose drift it is
-//! inside the loop, and [`hexapod`] the same by the attitude of the deck.
+//! inside the loop, and [`hexapod`] the same by the attitude of the deck. [`last`] tries the faults of a transducer that
+//! has no other one beside it any more.
 //!
 //! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
 //! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
@@ -31,6 +32,7 @@ pub mod handover;
 mod healthy;
 pub mod hexapod;
 mod interval;
+pub mod last;
 mod learning;
 mod outcome;
 mod plan;

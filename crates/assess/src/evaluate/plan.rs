@@ -6,6 +6,7 @@ use super::grade::Grade;
 use super::handover::{HandoverJob, HandoverOutcome, HandoverStudy};
 use super::healthy::{Healthy, STRETCH};
 use super::hexapod::{HexapodJob, HexapodProduct, HexapodStudy};
+use super::last::{LastJob, LastProduct, LastStudy};
 use super::learning::Lessons;
 use super::outcome::Outcome;
 use super::process::{ProcessJob, ProcessProduct, ProcessStudy};
@@ -51,6 +52,8 @@ pub struct Extent {
     pub side_hours: f64,
     /// Hours of each healthy machine with a sensor on its deck.
     pub hexapod_hours: f64,
+    /// Hours of each machine on which one transducer of a cylinder is left.
+    pub last_hours: f64,
     /// Number of cylinders that are monitored; every one of a machine has its fault.
     pub cylinders: u8,
     /// Time constant of the spools of the plant, s, for the studies that try another one, too.
@@ -91,6 +94,8 @@ pub enum Job {
     Side(SideJob),
     /// A job of the drifts that the deck's attitude names.
     Hexapod(HexapodJob),
+    /// A job of the last transducers.
+    Last(LastJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -106,6 +111,7 @@ pub enum Product {
     Handover(Vec<HandoverOutcome>),
     Side(SideProduct),
     Hexapod(HexapodProduct),
+    Last(LastProduct),
     Estimate(Errors),
 }
 
@@ -128,6 +134,8 @@ pub struct Plan {
     pub side: Option<SideStudy>,
     /// The drifts that the deck's attitude names, if requested.
     pub hexapod: Option<HexapodStudy>,
+    /// The last transducers, if requested.
+    pub last: Option<LastStudy>,
 }
 
 /// First stream of healthy machines, above every stream of a row.
@@ -150,9 +158,9 @@ impl Plan {
             return Err(PlanError::Trials { given: extent.trials });
         }
         let Extent { hours, contest_hours, weights_hours, .. } = extent;
-        let Extent { process_hours, side_hours, hexapod_hours, .. } = extent;
-        for given in [hours, contest_hours, weights_hours, process_hours, side_hours, hexapod_hours]
-        {
+        let Extent { process_hours, side_hours, hexapod_hours, last_hours, .. } = extent;
+        let own = [process_hours, side_hours, hexapod_hours, last_hours];
+        for given in [hours, contest_hours, weights_hours].into_iter().chain(own) {
             if !(0.0..=MOST_HOURS).contains(&given) {
                 return Err(PlanError::Hours { given });
             }
@@ -180,7 +188,21 @@ impl Plan {
         let hexapod = asked(Study::Hexapod).then(|| {
             HexapodStudy::new(seed, extent.seas.clone(), extent.trials, extent.hexapod_hours)
         });
-        Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover, side, hexapod })
+        let last =
+            (asked(Study::Last) || asked(Study::Single)).then(|| LastStudy::new(seed, &extent));
+        Ok(Self {
+            seed,
+            extent,
+            rows,
+            cells,
+            contest,
+            weighing,
+            process,
+            handover,
+            side,
+            hexapod,
+            last,
+        })
     }
 
     /// The number of machines of a row.
@@ -218,12 +240,14 @@ impl Plan {
         let handover = self.handover.iter().flat_map(HandoverStudy::jobs).map(Job::Handover);
         let side = self.side.iter().flat_map(SideStudy::jobs).map(Job::Side);
         let hexapod = self.hexapod.iter().flat_map(HexapodStudy::jobs).map(Job::Hexapod);
+        let last = self.last.iter().flat_map(LastStudy::jobs).map(Job::Last);
         contest
             .chain(weights)
             .chain(process)
             .chain(handover)
             .chain(side)
             .chain(hexapod)
+            .chain(last)
             .chain(trials)
             .chain(healthy)
             .chain(estimates)
@@ -266,6 +290,10 @@ impl Plan {
             Job::Hexapod(job) => {
                 let hexapod = self.hexapod.as_ref().expect("its jobs are of its own plan");
                 Product::Hexapod(hexapod.run(stand, job)?)
+            }
+            Job::Last(job) => {
+                let last = self.last.as_ref().expect("its jobs are of its own plan");
+                Product::Last(last.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

@@ -41,10 +41,14 @@ pub enum Study {
     Side,
     /// Whose drift it is by the attitude of the deck, with its own cases.
     Hexapod,
+    /// Faults of a cylinder's last transducer once the other one is out.
+    Last,
+    /// The same on cylinders that have no C2.
+    Single,
 }
 
 impl Study {
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -60,6 +64,8 @@ impl Study {
         Self::Handover,
         Self::Side,
         Self::Hexapod,
+        Self::Last,
+        Self::Single,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -79,6 +85,8 @@ impl Study {
             Self::Handover => "handover",
             Self::Side => "side",
             Self::Hexapod => "hexapod",
+            Self::Last => "last",
+            Self::Single => "single",
         }
     }
 }

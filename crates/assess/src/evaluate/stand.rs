@@ -39,6 +39,8 @@ pub struct Stand<'a> {
     pub handing: Vec<(Grade, MonitorDesign)>,
     /// Monitors with the sequential detectors and those of the process, for the drifts in the loop.
     pub sided: Vec<MonitorDesign>,
+    /// The configuration without C2, and its monitor.
+    pub single: Option<(Settings, MonitorDesign)>,
     /// Monitors of machines with a sensor on their deck, in the order of the study's grades.
     pub decked: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
@@ -68,6 +70,7 @@ impl<'a> Stand<'a> {
             taught: Vec::new(),
             handing: Vec::new(),
             sided: Vec::new(),
+            single: None,
             decked: Vec::new(),
             tables,
             steady,

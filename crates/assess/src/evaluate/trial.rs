@@ -69,7 +69,7 @@ impl Try {
 }
 
 /// `wanted`, towards the other side where `sign` is −1.
-fn signed(wanted: Wanted, sign: f64) -> Wanted {
+pub(super) fn signed(wanted: Wanted, sign: f64) -> Wanted {
     let Wanted::Shape(shape) = wanted else { return wanted };
     Wanted::Shape(match shape {
         Shape::Step { size } => Shape::Step { size: sign * size },

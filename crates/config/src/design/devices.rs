@@ -39,8 +39,7 @@ impl Connector<'_> {
 
     /// Whether the monitor has what the device is of: a second transducer may not be configured.
     fn is_used(&self, device: &Device, role: DeviceRole) -> bool {
-        let signals = &self.settings.signals.cylinder;
-        let has = role != DeviceRole::C2 || signals.c2.is_some();
+        let has = role != DeviceRole::C2 || self.settings.has_c2(device.cylinder);
         has && device.cylinder <= self.settings.machine.cylinders
     }
 
@@ -118,6 +117,7 @@ impl Connector<'_> {
         DeviceRole::ALL.map(|role| {
             let is_it = |device: &&Device| device.cylinder == n && role_of(device) == role;
             let device = self.settings.devices().iter().find(is_it)?;
+            let device = Some(device).filter(|it| self.is_used(it, role))?;
             let services = self.database.device_services(&device.name())?;
             let period = services.period.map(|period| HEARTBEAT_MARGIN * period);
             let time = device.heartbeat.or(period).filter(|time| *time > 0.0);

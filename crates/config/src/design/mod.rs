@@ -146,9 +146,10 @@ impl<'a> Connector<'a> {
     fn connect_cylinder(&mut self, n: u8) -> Option<CylinderDesign> {
         let before = self.flaws.len();
         let signals = &self.settings.signals.cylinder;
+        let second = signals.c2.as_deref().filter(|_| self.settings.has_c2(n));
         let limits = [
             self.connect_transducer(n, Transducer::C1, Some(&signals.c1)),
-            self.connect_transducer(n, Transducer::C2, signals.c2.as_deref()),
+            self.connect_transducer(n, Transducer::C2, second),
         ];
         self.connect(n, "control_speed", Some(&signals.control_speed), Field::Command);
         let required = self.connected(n);
@@ -265,6 +266,9 @@ impl<'a> Connector<'a> {
             lengths: (lowest - half_count, highest + half_count),
             frozen: self.settings.cycles(plausibility.frozen).max(1),
             travel: way.min(self.settings.comparator.bound),
+            // A rod that was pushed against its stop left it 15 mm of command later. A slowest command of nearly nothing
+            // must not make a rod at rest frozen.
+            driven: (30.0 * way).max(20.0 * self.settings.comparator.bound),
         }
     }
 

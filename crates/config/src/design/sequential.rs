@@ -19,7 +19,7 @@ impl Connector<'_> {
     pub(super) fn sequential(&mut self, n: u8) -> Option<Design> {
         let settings = self.settings;
         let fitted = settings.sequential_of(n)?;
-        if settings.signals.cylinder.c2.is_none() {
+        if !settings.has_c2(n) {
             self.flaws.push(Flaw::new(
                 "cylinder.sequential",
                 format!("cylinder {n} has no C2 to be compared with"),

@@ -1,7 +1,7 @@
 //! Devices have to fit the machine, the signals that are read of them, and each other.
 
 use super::Relations;
-use crate::settings::{Device, DeviceKind, Role, Settings};
+use crate::settings::{Cylinder, Device, DeviceKind, Role, Settings};
 
 impl Relations<'_> {
     pub(super) fn devices(&mut self, settings: &Settings) {
@@ -29,6 +29,13 @@ impl Relations<'_> {
             &[&key("node"), "gateway.node"],
             format!("`{}` is {}, which is the gateway's own", key("node"), device.node),
             "each node has a node-ID of its own; see gateway.node",
+        );
+        let is_missing = |it: &Cylinder| it.n == n && !it.c2;
+        self.require(
+            device.role != Some(Role::C2) || !settings.cylinder.iter().any(is_missing),
+            &[&key("role")],
+            format!("`{}` is \"c2\", but cylinder {n} has no C2 (`c2 = false`)", key("role")),
+            "leave out the device, or `c2 = false` in the [[cylinder]] table",
         );
         let is_transducer = device.kind == DeviceKind::Transducer;
         self.require(
@@ -74,7 +81,8 @@ impl Relations<'_> {
 
     fn has_devices(&mut self, settings: &Settings, key: &str, role: Option<Role>) {
         let has = |n: &u8| settings.devices().iter().any(|it| it.cylinder == *n && it.role == role);
-        let lacking = (1..=settings.machine.cylinders).find(|n| !has(n));
+        let wants = |n: &u8| role != Some(Role::C2) || settings.has_c2(*n);
+        let lacking = (1..=settings.machine.cylinders).find(|n| wants(n) && !has(n));
         let wanted = match role {
             Some(Role::C1) => "role = \"c1\"",
             Some(Role::C2) => "role = \"c2\"",

@@ -4,13 +4,15 @@ use super::nonlinear::{CYLINDER_NONLINEAR, CylinderNonlinear};
 use super::process::{CYLINDER_PROCESS, CylinderProcess};
 use super::sequential::{CYLINDER_SEQUENTIAL, CylinderSequential};
 use crate::kinds::{DURATION, FINITE, MOST_CYLINDERS, number, numbers, whole};
-use crate::schema::{Kind, Limits, table};
+use crate::schema::{Kind, Limits, Scalar, table};
 
 table! {
     /// Overrides for one cylinder.
     pub struct Cylinder = CYLINDER {
         n: u8 => whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
             "1", "which cylinder";
+        c2: bool = true => Kind::One(Scalar::Switch),
+            "true", "whether it has a C2; false: C1 is its only transducer, although other cylinders have both";
         c2_gain: f64 = 1.0 =>
             number(Limits::least(0.5, "both transducers measure the same stroke, so a is close to 1").most(2.0)),
             "1.0", "a of (5-20)";
@@ -38,6 +40,7 @@ impl Cylinder {
     pub const fn new(n: u8) -> Self {
         Self {
             n,
+            c2: true,
             c2_gain: 1.0,
             c2_offset: 0.0,
             theta: None,

@@ -150,13 +150,15 @@ impl Encoder {
         let mut payload = Payload::default();
         for (n, pair) in status.transducers.iter().enumerate() {
             for (c, health) in pair.iter().enumerate() {
-                payload.put(24 + 4 * n as u32 + 2 * c as u32, 2, *health as u64);
+                payload.put(24 + 4 * n as u32 + 2 * c as u32, 2, health.bits());
             }
         }
         payload.put(48, 3, status.level as u64);
         payload.put(51, 3, status.mode as u64);
         payload.put(54, 6, u64::from(status.active_warnings).min(63));
-        self.channels[OwnMessage::Status as usize].protect(at, payload)
+        let channel = &mut self.channels[OwnMessage::Status as usize];
+        payload.put(60, 3, status.without_c2(channel.counter));
+        channel.protect(at, payload)
     }
 
     /// Encodes Fd_Warning.
@@ -328,7 +330,7 @@ mod tests {
 
     /// Fields valid, position and σ of the frame for an estimate.
     fn sent(position: f64, sigma: f64, valid: bool) -> [u64; 3] {
-        let estimate = Estimate { position, sigma, source: Source::Both, valid };
+        let estimate = Estimate { position, sigma, source: Source::Both, valid, without: 0.0 };
         let mut encoder = Encoder::new(81).expect("81 is a node");
         let frame = encoder.estimate(Timestamp::default(), 5, Some(&estimate));
         let data = frame.as_frame().data();

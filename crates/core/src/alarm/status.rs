@@ -17,13 +17,25 @@ pub enum Health {
     Suspect = 2,
     /// A warning stands that blames it.
     Faulty = 3,
+    /// The cylinder does not have it. Fd_Status has two bits for a state, and tells this by another signal
+    /// ([`Status::without_c2`]).
+    NotFitted = 4,
 }
 
-choice! { Health { Unknown, Healthy, Suspect, Faulty } }
+choice! { Health { Unknown, Healthy, Suspect, Faulty, NotFitted } }
 
 impl Health {
     /// All states, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Unknown, Self::Healthy, Self::Suspect, Self::Faulty];
+    pub const ALL: [Self; 5] =
+        [Self::Unknown, Self::Healthy, Self::Suspect, Self::Faulty, Self::NotFitted];
+
+    /// The state in the two bits of Fd_Status: what is not fitted is unknown there.
+    pub const fn bits(self) -> u64 {
+        match self {
+            Self::NotFitted => Self::Unknown as u64,
+            other => other as u64,
+        }
+    }
 }
 
 /// State of the monitor as a whole. The numbers are those of Fd_Status.
@@ -54,3 +66,29 @@ pub struct Status {
 }
 
 whole! { Status { transducers, level, mode, active_warnings } }
+
+impl Status {
+    /// The cylinder without C2 that the frame with this alive counter names, counted from 1: each in its turn; 0 where
+    /// every cylinder has a C2.
+    pub fn without_c2(&self, counter: u8) -> u64 {
+        let lacks = |pair: &[Health; 2]| pair[1] == Health::NotFitted;
+        let all = || (1..).zip(&self.transducers).filter(|(_, pair)| lacks(pair));
+        let turn = usize::from(counter).checked_rem(all().count());
+        turn.and_then(|turn| all().nth(turn)).map_or(0, |(n, _)| n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cylinder_without_c2_has_its_turn() {
+        let mut status = Status::default();
+        assert_eq!([0, 1, 255].map(|counter| status.without_c2(counter)), [0; 3]);
+        for index in [1, 2, 5] {
+            status.transducers[index][1] = Health::NotFitted;
+        }
+        assert_eq!([0, 1, 2, 3, 4].map(|counter| status.without_c2(counter)), [2, 3, 6, 2, 3]);
+    }
+}

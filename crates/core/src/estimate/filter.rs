@@ -26,11 +26,13 @@ pub struct Filter {
     seen: u32,
     /// Readings since the command was first known in every cycle.
     followed: u32,
+    /// Innovation of the newest reading, m.
+    innovation: f64,
     /// Mean of ν² over the value that the filter expects.
     surprise: Mean,
 }
 
-whole! { Filter { x, p, running, coasted, seen, followed, surprise } }
+whole! { Filter { x, p, running, coasted, seen, followed, innovation, surprise } }
 
 impl Filter {
     /// Stops following the rod; what is known of the transducer stays.
@@ -66,6 +68,7 @@ impl Filter {
         if let Some(Counted { wild, memory }) = counted.filter(|_| self.seen > 0) {
             self.surprise.add((innovation * innovation / variance).min(wild), memory);
         }
+        self.innovation = innovation;
         let covariances = self.p.column(0).into_owned();
         let gain = covariances / variance;
         self.x += gain * innovation;
@@ -108,6 +111,11 @@ impl Filter {
     /// expects.
     pub fn variance(&self) -> f64 {
         self.p[(0, 0)].max(0.0) * self.surprise.value().max(1.0)
+    }
+
+    /// Innovation of the newest reading, m.
+    pub const fn innovation(&self) -> f64 {
+        self.innovation
     }
 
     pub const fn is_running(&self) -> bool {

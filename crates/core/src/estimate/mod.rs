@@ -71,6 +71,8 @@ pub struct Estimate {
     /// Whether there is evidence for the estimate, σ is within its bound, and the length is within
     /// the stroke.
     pub valid: bool,
+    /// Time since a trusted transducer was read, s.
+    pub without: f64,
 }
 
-whole! { Estimate { position, sigma, source, valid } }
+whole! { Estimate { position, sigma, source, valid, without } }

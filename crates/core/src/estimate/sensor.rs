@@ -52,6 +52,8 @@ pub struct SensorInput {
     pub undecided: bool,
     /// Whether the rod does not follow the command.
     pub process: bool,
+    /// Whether no transducer is trusted, and a reading of the last one may have been wrong before it was blamed.
+    pub doubted: bool,
 }
 
 impl SensorInput {
@@ -75,8 +77,12 @@ pub struct VirtualSensor {
     difference: f64,
     /// Largest difference of about the last second, m.
     largest: f64,
+    /// Largest innovation of the transducers that are used, of about the last second, m.
+    startled: f64,
     carrier: Option<Carrier>,
     reserve: Reserve,
+    /// Cycles since a trusted transducer was read.
+    without: u32,
     /// Transducers that were trusted and had a reading in the previous cycle.
     relied_on: [bool; 2],
     cycle: u64,
@@ -84,7 +90,8 @@ pub struct VirtualSensor {
 
 state! {
     VirtualSensor {
-        velocity, feed, filters, growth, differences, difference, largest, carrier, reserve, relied_on, cycle,
+        velocity, feed, filters, growth, differences, difference, largest, startled, carrier, reserve,
+        without, relied_on, cycle,
     }
     but { design, cycles }
 }
@@ -100,6 +107,8 @@ impl VirtualSensor {
             differences: Mean::default(),
             difference: 0.0,
             largest: 0.0,
+            startled: 0.0,
+            without: 0,
             carrier: None,
             reserve: Reserve::default(),
             relied_on: [false; 2],
@@ -115,7 +124,7 @@ impl VirtualSensor {
         self.feed.clear();
         self.filters.iter_mut().for_each(Filter::stop);
         self.growth.recall();
-        (self.difference, self.largest) = (0.0, 0.0);
+        (self.difference, self.largest, self.startled) = (0.0, 0.0, 0.0);
         self.carrier = None;
         self.reserve.clear();
         self.relied_on = [false; 2];
@@ -135,6 +144,7 @@ impl VirtualSensor {
             filter.correct(dynamics, length, *max_gap, counted);
         }
         let source = self.choose(input);
+        self.without = if source.is_some() { 0 } else { self.without.saturating_add(1) };
         let estimate = match source {
             Some(source) => self.tell(input, source),
             None => self.carry(input),
@@ -187,6 +197,12 @@ impl VirtualSensor {
             _ => (*other.state(), other.variance() + usual),
         };
         let used = [source != Source::C2, source != Source::C1];
+        let startling = self.filters.iter().zip(used).filter(|(_, used)| *used);
+        let startling = startling.map(|(filter, _)| filter.innovation().abs());
+        self.startled =
+            startling.fold(self.cycles.difference_left * self.startled, |all, it| all.max(it));
+        // The filters were measured where the rod follows the command; where it does not they lag behind it.
+        let variance = variance + if input.process { self.startled * self.startled } else { 0.0 };
         let follows = |i: usize| self.filters[i].evidence()[1] >= self.design.settle;
         let able = (0..2).all(|i| !used[i] || follows(i));
         let told = Carrier { x, variance, coasted: 0, able };
@@ -213,7 +229,12 @@ impl VirtualSensor {
         let Carrier { x, variance, coasted, able } = self.carrier?;
         let grown =
             self.growth.variance(coasted, self.design.parameters.doubt).unwrap_or(f64::INFINITY);
-        Some(self.judged(x[0], variance + grown, Source::Model, able && !input.process))
+        Some(self.judged(
+            x[0],
+            variance + grown,
+            Source::Model,
+            able && !input.process && !input.doubted,
+        ))
     }
 
     fn judged(&self, position: f64, variance: f64, source: Source, evidence: bool) -> Estimate {
@@ -222,7 +243,8 @@ impl VirtualSensor {
         let inside = (lowest..=highest).contains(&position);
         // Written so that a NaN is not valid.
         let valid = evidence && inside && sigma <= self.design.bound;
-        Estimate { position, sigma, source, valid }
+        let without = f64::from(self.without) * self.design.sample_time;
+        Estimate { position, sigma, source, valid, without }
     }
 
     fn predict(&mut self, input: &SensorInput) {

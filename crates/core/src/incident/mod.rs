@@ -188,7 +188,7 @@ pub struct Incident {
     /// The quantities in the newest cycle.
     pub now: Quantities,
     pub outset: Outset,
-    /// Limits of the quantities, m.
+    /// Limits of the quantities, m; infinite where the cylinder has no such quantity.
     pub limits: [f64; QUANTITIES],
 }
 
@@ -203,6 +203,11 @@ impl Incident {
     /// The part of a detector's place.
     pub const fn part(&self, place: WarningPlace) -> Option<&Part> {
         self.parts[place as usize].as_ref()
+    }
+
+    /// Whether its cylinder has C1 alone, so that nothing is compared with another reading.
+    pub const fn is_alone(&self) -> bool {
+        self.limits[Quantity::R2 as usize].is_infinite()
     }
 
     /// Whether a warning of it stands.

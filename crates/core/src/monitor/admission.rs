@@ -119,6 +119,9 @@ impl Monitor {
         }
         let Some(when) = self.clock.when() else {
             self.counts.late += 1;
+            if self.clock.wait(now) {
+                self.reckon_due();
+            }
             return;
         };
         let page = &mut self.stations[place.0].pages[place.1];

@@ -9,6 +9,7 @@ mod devices;
 mod estimating;
 mod findings;
 mod judging;
+mod last;
 mod losing;
 mod precedence;
 mod saved;
@@ -37,6 +38,7 @@ use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
 pub use design::CylinderDesign;
 use devices::Watches;
+use last::LastOne;
 use precedence::Precedence;
 pub use tally::Tally;
 pub use telling::Evaluated;
@@ -87,6 +89,7 @@ pub struct Cylinder {
     pub supply_is_odd: bool,
     agreement: Agreement,
     precedence: Precedence,
+    last: LastOne,
     /// Virtual sensor; `None` where its estimates are not needed.
     sensor: Option<Box<VirtualSensor>>,
     estimated: Option<Estimate>,
@@ -100,7 +103,8 @@ pub struct Cylinder {
     command_missing: u32,
     /// Whether no command came because its bus is silent.
     command_silent: bool,
-    push: Option<Push>,
+    /// Way in one cycle of the newest command that moves the cylinder, m, signed; zero where it does not.
+    way: f64,
     judged: [bool; 2],
     blanks: Blanks,
     /// Whether it was watched in the newest cycle, or any detector has a finding.
@@ -130,6 +134,7 @@ impl Cylinder {
             supply_is_odd: false,
             agreement: Agreement::default(),
             precedence: Precedence::new(design.coincidence),
+            last: LastOne::default(),
             sensor: None,
             estimated: None,
             critical: Trigger::new(Thresholds {
@@ -142,7 +147,7 @@ impl Cylinder {
             was_critical: false,
             command_missing: 0,
             command_silent: false,
-            push: None,
+            way: 0.0,
             judged: [false; 2],
             blanks: Blanks::default(),
             is_busy: false,
@@ -203,7 +208,7 @@ impl Cylinder {
     }
 
     pub const fn has(&self, transducer: Transducer) -> bool {
-        self.design.required & Field::Position(transducer).bit() != 0
+        self.design.has(transducer)
     }
 
     /// Whether every configured transducer was judged by its observer in the newest cycle.
@@ -220,9 +225,12 @@ impl Cylinder {
     ) -> Evaluated {
         self.pending = false;
         let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
+        let way = if now.gate == Opening::Open { self.way } else { 0.0 };
         let moment = Moment {
             live: true,
-            push: self.push.filter(|_| now.gate == Opening::Open),
+            push: Push::of(way, 0.0),
+            way,
+            been: self.last.been(),
             other: None,
         };
         let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
@@ -255,6 +263,7 @@ impl Cylinder {
             self.judge_process(now, good);
         }
         self.judge_precedence();
+        self.judge_last(now, &residuals, good, command);
         if self.sensor.is_some() {
             self.estimate(now, good);
         }
@@ -366,8 +375,8 @@ impl Cylinder {
         match command {
             Some(u) => {
                 self.command_missing = 0;
-                let push = if u > 0.0 { Push::Positive } else { Push::Negative };
-                self.push = (u.abs() > self.design.moving_speed).then_some(push);
+                let moves = u.abs() > self.design.moving_speed;
+                self.way = if moves { u * self.design.bank.sample_time } else { 0.0 };
             }
             None => {
                 let aged = u32::from(heard);
@@ -384,16 +393,5 @@ impl Cylinder {
         if !quality.is_good() || self.implausible[2].raised() || self.speaks() {
             self.doubt_command(quality, now.at);
         }
-    }
-
-    #[inline(never)]
-    fn doubt_command(&mut self, quality: Quality, at: Timestamp) {
-        let quality = match self.word(DeviceRole::Valve as usize) {
-            DeviceWord::Failed => Quality::Failed,
-            DeviceWord::Lost => Quality::Stale,
-            DeviceWord::Nothing | DeviceWord::NotOperational => quality,
-        };
-        let report = self.report(DeviceRole::Valve as usize);
-        self.implausible[2].judge(at, Checked { quality, beyond: 0.0, report });
     }
 }

@@ -6,6 +6,7 @@ use super::{Monitor, Sink};
 use crate::alarm::own::Sending;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::alarm::{OwnFrame, OwnMessage, State};
+use crate::sample::Transducer;
 use crate::time::{Span, Timestamp};
 
 /// Period of Fd_Status.
@@ -71,10 +72,16 @@ impl Monitor {
         });
     }
 
-    /// The Fd_Status of a gateway that stops at `at`: every state is unknown from then on.
+    /// The Fd_Status of a gateway that stops at `at`: the state of everything that is fitted is unknown from then on.
     pub fn stopping_status(&mut self, at: Timestamp) -> OwnFrame {
         let (level, active_warnings) = (self.register.level(), self.register.standing());
-        let status = Status { level, active_warnings, mode: Mode::Stopping, ..Status::default() };
+        let mut transducers = [[Health::Unknown; 2]; MAX_CYLINDERS];
+        for (pair, cylinder) in transducers.iter_mut().zip(&self.cylinders) {
+            if !cylinder.has(Transducer::C2) {
+                pair[Transducer::C2 as usize] = Health::NotFitted;
+            }
+        }
+        let status = Status { transducers, level, mode: Mode::Stopping, active_warnings };
         self.encoder.status(at, &status)
     }
 

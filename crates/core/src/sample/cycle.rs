@@ -3,13 +3,15 @@
 //! Sync opens a cycle where it is configured and comes; otherwise the first transducer frame about a sample
 //! time after the last opening does. Readings come first and the command that answers them follows,
 //! so a valve frame never opens a cycle. It closes a deadline after its opening. When the deadline
-//! of the next cycle passes without an opening, that cycle is missing.
+//! of the next cycle passes without an opening, that cycle is missing. Where nothing opens a cycle from the beginning,
+//! commands show that the machine runs: after some of them cycles are missing, too.
 //!
 //! Cycles are numbered on a grid of sample times that follows the openings slowly. An early or late
 //! opening, as on a computer that stalls and then receives all waiting frames at once, neither
 //! counts twice nor hides the next one. With Sync, a cycle opens when Sync came; without it, the
 //! grid determines the time.
 
+pub use super::when::When;
 use crate::state::state;
 use crate::time::{Span, Timestamp};
 
@@ -51,31 +53,6 @@ impl Due {
     }
 }
 
-/// The newest cycle, as a frame finds it.
-#[derive(Clone, Copy, Debug)]
-pub struct When {
-    pub cycle: u64,
-    pub opened: Timestamp,
-    pub open: bool,
-    /// Whether a Sync opened it, so that a frame with an earlier time stamp belongs to an earlier
-    /// cycle.
-    pub by_sync: bool,
-    /// Sample time Ts.
-    pub sample_time: Span,
-}
-
-impl When {
-    /// Time from the opening to `stamp`, ns.
-    pub(super) const fn phase(&self, stamp: Timestamp) -> i64 {
-        stamp.since(self.opened).as_nanos()
-    }
-
-    /// Half a sample time, ns.
-    pub(super) const fn half(&self) -> i64 {
-        self.sample_time.as_nanos() / 2
-    }
-}
-
 /// The clock of the machine's cycles.
 #[derive(Clone, Debug)]
 pub struct CycleClock {
@@ -96,13 +73,15 @@ pub struct CycleClock {
     set_aside: Option<Timestamp>,
     /// Number of cycles that opened since the newest Sync, up to [`ABSENT`].
     without_sync: u32,
+    /// The first command for which there is no cycle, since none has opened yet.
+    awaited: Option<Timestamp>,
     /// Whether the next cycle may open at once, since the time stamps are behind the frames: those of several cycles
     /// come together, or the clock was set back.
     at_once: bool,
 }
 
 state! {
-    CycleClock { opened, nominal, open, provisional, number, followed, set_aside, without_sync, at_once }
+    CycleClock { opened, nominal, open, provisional, number, followed, set_aside, without_sync, awaited, at_once }
     but { timing }
     sound |it| (0..=SLOWNESS).contains(&it.followed) && it.without_sync <= ABSENT
 }
@@ -128,6 +107,7 @@ impl CycleClock {
             followed: 0,
             set_aside: None,
             without_sync: 0,
+            awaited: None,
             at_once: false,
         }
     }
@@ -147,9 +127,10 @@ impl CycleClock {
         self.opened
     }
 
-    /// Times that it knows: of the newest opening, by its frame and on the grid, and of a Sync that may open the next one.
+    /// Times that it knows: of the newest opening, by its frame and on the grid, of a Sync that may open the next one, and
+    /// of a command that waits for the first one.
     pub fn times(&self) -> impl Iterator<Item = Timestamp> {
-        [self.opened, self.nominal, self.set_aside].into_iter().flatten()
+        [self.opened, self.nominal, self.set_aside, self.awaited].into_iter().flatten()
     }
 
     pub const fn is_open(&self) -> bool {
@@ -259,6 +240,18 @@ impl CycleClock {
         }
     }
 
+    /// Takes a command at `at` that finds no cycle; returns whether cycles are missing from here on, since the first one has
+    /// not opened for [`ABSENT`] sample times.
+    pub fn wait(&mut self, at: Timestamp) -> bool {
+        let awaited = *self.awaited.get_or_insert(at);
+        let patience = self.timing.sample_time.as_nanos().saturating_mul(ABSENT.into());
+        let is_missing = self.opened.is_none() && at.since(awaited).as_nanos() >= patience;
+        if is_missing {
+            (self.opened, self.nominal) = (Some(at), Some(at));
+        }
+        is_missing
+    }
+
     /// Whether readings open cycles, so that an early one opens its cycle when the previous one has
     /// closed.
     pub const fn is_opened_by_readings(&self) -> bool {
@@ -351,6 +344,7 @@ impl CycleClock {
         self.provisional = false;
         self.followed = 0;
         self.set_aside = None;
+        self.awaited = None;
         self.at_once = false;
     }
 

@@ -10,6 +10,7 @@ pub mod phase;
 pub mod plausibility;
 pub mod quality;
 pub mod reading;
+mod when;
 
 pub use device::{DeviceReason, DeviceReport, DeviceRole};
 pub use quality::Quality;

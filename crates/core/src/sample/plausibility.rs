@@ -1,12 +1,15 @@
 //! Plausibility checks of a reading, in a fixed order: failed by the device's own word, stale, broken wire,
 //! out of range, frozen.
 
+mod drive;
+
 use super::device::DeviceWord;
 use super::motion::ReadingMotion;
 use super::quality::Quality;
 use super::reading::Reading;
 use crate::state::{choice, state, whole};
 use alloc::vec::Vec;
+use drive::Drive;
 
 /// Limits of plausible readings.
 #[derive(Clone, Debug)]
@@ -25,11 +28,17 @@ pub struct PlausibilityLimits {
     pub frozen: u32,
     /// Distance that the other transducer has to move meanwhile, m.
     pub travel: f64,
+    /// Way that the command has to go meanwhile where no other transducer is a witness: the integral of the command
+    /// over time, m.
+    pub driven: f64,
 }
 
-/// Factor on [`PlausibilityLimits::frozen`] where no other transducer can tell: friction holds the rod
-/// where a slow stroke turns. The command must have moved both ways: a stop holds against one only.
-const UNWITNESSED: u32 = 5;
+/// Factor on [`PlausibilityLimits::frozen`] where no other transducer is a witness: friction holds the rod
+/// where a slow stroke turns.
+pub const UNWITNESSED: u32 = 5;
+
+/// Factor on [`PlausibilityLimits::driven`] where the command went one way only, to where the reading has been.
+const ONE_WAY: f64 = 2.0;
 
 /// A change of the other reading by more than this many times [`PlausibilityLimits::travel`] in one cycle is a jump where
 /// it was not in motion.
@@ -47,6 +56,17 @@ pub enum Push {
 }
 
 choice! { Push { Positive, Negative } }
+
+impl Push {
+    /// Direction of a command, m/s; `None` where it does not exceed `least`.
+    pub fn of(command: f64, least: f64) -> Option<Self> {
+        let push = if command > 0.0 { Self::Positive } else { Self::Negative };
+        (command.abs() > least).then_some(push)
+    }
+}
+
+/// No length: nothing is known of where the rod has been, lowest and highest.
+pub const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// The other transducer of the cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +93,10 @@ pub struct Moment {
     /// Direction in which the command since the last cycle moves the cylinder, in a platform state
     /// in which it follows; `None` if it does not move it.
     pub push: Option<Push>,
+    /// Way of that command in one cycle, m, signed.
+    pub way: f64,
+    /// Lowest and highest length that the rod has had in health, m.
+    pub been: [f64; 2],
     /// The other transducer in this cycle; `None` where it cannot be relied on.
     pub other: Option<Other>,
 }
@@ -160,11 +184,12 @@ pub struct Plausibility {
     still: Stillness,
     /// Stillness since the reading changed and the command moves.
     held: Stillness,
+    drive: Drive,
     quality: Quality,
 }
 
 state! {
-    Plausibility { absence, last, still, held, quality }
+    Plausibility { absence, last, still, held, drive, quality }
     but { limits, broken_wire }
 }
 
@@ -179,6 +204,7 @@ impl Plausibility {
             last: None,
             still: Stillness::default(),
             held: Stillness::default(),
+            drive: Drive::default(),
             quality: Quality::default(),
         }
     }
@@ -224,7 +250,7 @@ impl Plausibility {
 
     /// Forgets how long the reading has stood still, after a jump in time.
     pub fn reset(&mut self) {
-        (self.still, self.held) = Default::default();
+        (self.still, self.held, self.drive) = Default::default();
     }
 
     /// Whether the reading stands while the other one moves: it may be frozen, but not yet for long
@@ -298,18 +324,36 @@ impl Plausibility {
         };
         follow(&mut self.still, same);
         follow(&mut self.held, same && moving);
+        if same {
+            self.drive.go_on(position, &moment, self.limits.driven);
+        } else if self.drive.cycles > 0 {
+            self.drive = Drive::default();
+        }
     }
 
     /// Whether the command moves, the reading does not, and the rod does not stand still. If the
     /// other reading changes and yet goes nowhere, the rod is at rest.
     fn is_frozen(&self) -> bool {
         let frozen = self.limits.frozen;
-        let Stillness { cycles, stirred, .. } = self.held;
         // Nearly always it moves, and nothing else is asked.
-        if cycles < frozen || self.is_witnessed() {
-            return cycles >= frozen;
+        if self.still.cycles < frozen {
+            return false;
         }
-        !stirred && self.is_pushed(1) && cycles >= frozen.saturating_mul(UNWITNESSED)
+        self.held.cycles >= frozen && self.is_witnessed() || self.is_left_behind()
+    }
+
+    /// Whether the command has gone so far while the reading was exactly constant that the rod cannot have stayed, although
+    /// no other transducer is a witness. A stop holds the rod against one direction only, and not where it has been beyond.
+    fn is_left_behind(&self) -> bool {
+        let PlausibilityLimits { frozen, driven, .. } = self.limits;
+        let (Drive { cycles, ways, is_free, .. }, still) = (self.drive, self.still);
+        // A reading that changes and yet goes nowhere is that of a rod at rest, as long as it comes.
+        let is_at_rest = still.stirred && still.unseen <= frozen;
+        if is_at_rest || cycles < frozen.saturating_mul(UNWITNESSED) {
+            return false;
+        }
+        let is_driven = |i: usize| is_free[i] && ways[i] >= ONE_WAY * driven;
+        ways[0].min(ways[1]) >= driven || is_driven(0) || is_driven(1)
     }
 
     fn of_new(&self, reading: &Reading) -> Quality {

@@ -191,9 +191,8 @@ impl CalibrationCourse<'_> {
         let numbers = 1..=settings.machine.cylinders;
         let mut gathering = Gathering::new(high - low, numbers.clone().map(configured).collect());
         recording.read(self.fitted, cuts.around(&mut gathering))?;
-        let second = settings.signals.cylinder.c2.is_some();
         let judge = |n: u8| {
-            if second {
+            if settings.has_c2(n) {
                 gathering.judge(usize::from(n) - 1)
             } else {
                 Err(CalibrationRefusal::NoSecond)
@@ -279,12 +278,17 @@ impl CalibrationCourse<'_> {
                 None => result,
             };
             let mut remarks = Vec::new();
+            let learnt = || process.get(index).into_iter().flat_map(LearntProcess::remarks);
+            if result == Err(CalibrationRefusal::NoSecond) {
+                remarks.push(ALONE.to_owned());
+                remarks.extend(learnt());
+            }
             if result.is_ok() {
                 remarks.extend(gathering.remarks(index));
                 remarks.extend(scattering.remark(index));
                 remarks.extend(cuts.told(index));
                 remarks.extend(level.as_ref().and_then(OwnLevel::remark));
-                remarks.extend(process.get(index).into_iter().flat_map(LearntProcess::remarks));
+                remarks.extend(learnt());
             }
             CylinderCalibration {
                 sample_time,
@@ -303,6 +307,11 @@ impl CalibrationCourse<'_> {
     }
 }
 
+/// What is not learnt of a cylinder without C2.
+const ALONE: &str = "it has no C2, so nothing of C1 - C2 is learnt: no correction, no part in the bound of R3, no \
+                     sequential detector, and no process detector by flow or friction; drifts of C1, and steps below δ_h, \
+                     are not found";
+
 /// Everything learnt of one cylinder.
 type Learnt = (
     ((u8, Result<super::Fitted, CalibrationRefusal>), Option<super::TriedBand>),
@@ -316,19 +325,23 @@ fn judged(profile: Profile, scatter: Scatter) -> Option<(Profile, Scatter)> {
 }
 
 impl CylinderCalibration {
-    /// The cylinder's table in a configuration; `None` where it was refused.
+    /// Whether the cylinder has a C2 that could be calibrated.
+    pub fn has_c2(&self) -> bool {
+        self.result != Err(CalibrationRefusal::NoSecond)
+    }
+
+    /// The cylinder's table in a configuration; `None` where it was refused, or has no C2 and nothing else was learnt.
     pub fn table(&self) -> Option<Cylinder> {
+        let process = self.process.as_ref().and_then(|learnt| learnt.table(self.sample_time));
+        if !self.has_c2() {
+            let alone = Cylinder { c2: false, ..Cylinder::new(self.number) };
+            return process.map(|process| Cylinder { process: Some(process), ..alone });
+        }
         let line = self.result.as_ref().ok()?.line;
         Some(Cylinder {
-            n: self.number,
             c2_gain: line.gain,
             c2_offset: line.offset,
-            theta: None,
-            gamma: None,
-            command_offset: None,
-            sample_time: None,
-            nonlinear: None,
-            process: self.process.as_ref().and_then(|learnt| learnt.table(self.sample_time)),
+            process,
             sequential: self.sequential.as_ref().map(|(profile, scatter)| {
                 let reference = &profile.reference;
                 CylinderSequential {
@@ -355,6 +368,7 @@ impl CylinderCalibration {
                     prediction_correlation: scatter.prediction.and_then(|it| it.correlation),
                 }
             }),
+            ..Cylinder::new(self.number)
         })
     }
 }

@@ -1,6 +1,9 @@
 //! Whether a calibration can be used.
 
-use super::{Bound, Calibrated, Calibration, CalibrationCourse, Cuts, LARGEST_BOUND, LEAST_BOUND};
+use super::{
+    Bound, Calibrated, Calibration, CalibrationCourse, Cuts, CylinderCalibration, LARGEST_BOUND,
+    LEAST_BOUND,
+};
 use crate::extremes::false_alarms;
 use crate::survey::{Origin, Recording};
 
@@ -68,10 +71,16 @@ impl Calibration {
         spans.into()
     }
 
-    /// Cylinders without a calibration, or without one for their sequential detector, and the
+    /// Whether any cylinder has a C2.
+    pub fn has_c2(&self) -> bool {
+        self.cylinders.iter().any(CylinderCalibration::has_c2)
+    }
+
+    /// Cylinders without a calibration although they have a C2, or without one for their sequential detector, and the
     /// reasons.
     pub fn refusals(&self) -> Vec<(u8, String)> {
-        let refused = self.cylinders.iter().filter_map(|cylinder| {
+        let with_c2 = self.cylinders.iter().filter(|cylinder| cylinder.has_c2());
+        let refused = with_c2.filter_map(|cylinder| {
             let refusal = cylinder.result.as_ref().err().map(ToString::to_string);
             let told = refusal.or_else(|| cylinder.contradiction.map(|it| it.to_string()))?;
             Some((cylinder.number, told))

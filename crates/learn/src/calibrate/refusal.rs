@@ -15,10 +15,8 @@ pub enum CalibrationRefusal {
          [signals.cylinder], and that its transducers were on the bus"
     )]
     Absent,
-    #[error(
-        "no C2 is configured; name the second transducer as signals.cylinder.c2, without it there \
-         is nothing to calibrate"
-    )]
+    /// The configuration says that there is none, which is no fault of the recording.
+    #[error("it has no C2 to be calibrated")]
     NoSecond,
     #[error("{signal} is missing in {missing} of {rows} cycles{detail}")]
     Missing { signal: &'static str, missing: u64, rows: u64, detail: String },

@@ -32,6 +32,8 @@ pub struct Expectations {
     pub velocity: bool,
     /// Whether a load pressure is configured.
     pub pressure: bool,
+    /// Whether each cylinder has a C2.
+    pub seconds: Vec<bool>,
     /// a and b of (5-20) for each cylinder, where it is calibrated.
     pub calibrations: Vec<Option<(f64, f64)>>,
 }
@@ -149,7 +151,8 @@ impl Census {
         if implausible > 0 {
             remarks.push(format!("{implausible} readings of C1 were not plausible and left out"));
         }
-        if self.expected.calibrations.get(index).copied().flatten().is_none() {
+        let is_alone = self.expected.seconds.get(index) == Some(&false);
+        if !is_alone && self.expected.calibrations.get(index).copied().flatten().is_none() {
             remarks.push(
                 "whether C1 and C2 are swapped cannot be told without a calibration (c2_gain, \
                  c2_offset)"

@@ -122,6 +122,7 @@ impl IdentificationCourse<'_> {
             area_ratio: settings.machine.area_ratio,
             velocity: signals.c1_velocity.is_some(),
             pressure: chambers || signals.load_pressure.is_some(),
+            seconds: (1..=settings.machine.cylinders).map(|n| settings.has_c2(n)).collect(),
             calibrations: (1..=settings.machine.cylinders).map(calibration).collect(),
         };
         let mut census = Census::new(settings.machine.cylinders.into(), expected);

@@ -104,7 +104,9 @@ impl LearntProcess {
 impl ProcessRows {
     /// Whether `settings` name what a relation of a cylinder is made of.
     pub fn are_named(settings: &Settings) -> bool {
-        has_spool(settings) || has_chambers(settings) || has_friction(settings)
+        let cylinders = 1..=settings.machine.cylinders;
+        let any_friction = || cylinders.into_iter().any(|n| has_friction(settings, n));
+        has_spool(settings) || has_chambers(settings) || any_friction()
     }
 
     /// What the rows of all cylinders teach. They are taken in the order of the recording's
@@ -124,11 +126,11 @@ impl ProcessRows {
             spool: has_spool(settings).then(|| spool::learn(self.of(n), time, level)),
             chambers: has_chambers(settings)
                 .then(|| chambers::learn(self.of(n), has_spool(settings), time, level)),
-            flow: has_flow(settings).then(|| {
+            flow: has_flow(settings, n).then(|| {
                 let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
                 flow::learn(self.of(n), geometry, time, level)
             }),
-            friction: has_friction(settings).then(|| {
+            friction: has_friction(settings, n).then(|| {
                 let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
                 friction::learn(self.of(n), geometry, time, level)
             }),
@@ -148,14 +150,14 @@ const fn has_spool(settings: &Settings) -> bool {
     settings.signals.cylinder.spool.is_some()
 }
 
-const fn has_flow(settings: &Settings) -> bool {
-    has_spool(settings) && has_friction(settings) && settings.signals.supply.is_some()
+fn has_flow(settings: &Settings, n: u8) -> bool {
+    has_spool(settings) && has_friction(settings, n) && settings.signals.supply.is_some()
 }
 
-const fn has_friction(settings: &Settings) -> bool {
+fn has_friction(settings: &Settings, n: u8) -> bool {
     let own = &settings.signals.cylinder;
     let of_chambers = own.pressure_bottom.is_some() && own.pressure_rod.is_some();
-    (own.load_pressure.is_some() || of_chambers) && own.c2.is_some()
+    (own.load_pressure.is_some() || of_chambers) && settings.has_c2(n)
 }
 
 const fn has_chambers(settings: &Settings) -> bool {

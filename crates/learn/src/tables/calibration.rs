@@ -48,15 +48,17 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
     ]
 }
 
-/// The tables, with their origin; `None` where no cylinder has a calibration.
+/// The tables, with their origin; `None` where nothing was learnt of any cylinder.
 pub fn of(result: &Calibration, version: &str) -> Option<String> {
-    fits(result).next()?;
+    result.cylinders.iter().find_map(CylinderCalibration::table)?;
     let Calibration { machine, inputs, timeline, .. } = result;
     let both = [("fitted", result.fitted), ("tried ", result.tried)];
     let parts = if result.fitted == result.tried { &both[..1] } else { &both[..] };
     let mut text = provenance::heading(version, "calibrate", machine, inputs, timeline, parts);
     for cylinder in &result.cylinders {
-        if let Err(refusal) = &cylinder.result {
+        if !cylinder.has_c2() {
+            _ = writeln!(text, "# cylinder {} has no C2", cylinder.number);
+        } else if let Err(refusal) = &cylinder.result {
             let refusal = one_line(&refusal.to_string());
             _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
         }
@@ -81,11 +83,11 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
         text += &process::of_supply(supply);
     }
     for cylinder in result.cylinders.iter().filter_map(CylinderCalibration::table) {
-        let Cylinder { n, c2_gain, c2_offset, sequential, process, .. } = cylinder;
-        _ = writeln!(
-            text,
-            "\n[[cylinder]]\nn = {n}\nc2_gain = {c2_gain:?}\nc2_offset = {c2_offset:?}"
-        );
+        let Cylinder { n, c2, c2_gain, c2_offset, sequential, process, .. } = cylinder;
+        _ = writeln!(text, "\n[[cylinder]]\nn = {n}");
+        if c2 {
+            _ = writeln!(text, "c2_gain = {c2_gain:?}\nc2_offset = {c2_offset:?}");
+        }
         if let Some(sequential) = &sequential {
             text += &sequential_table(sequential);
         }

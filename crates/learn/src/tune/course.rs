@@ -131,7 +131,7 @@ impl TuningCourse<'_> {
         let (theta, gamma) = settings.model_of(n);
         let signals = &settings.signals.cylinder;
         let first = !self.without.contains(&n);
-        let second = first && signals.c2.is_some();
+        let second = first && settings.has_c2(n);
         CylinderModel {
             number: n,
             model: Model::new(settings.machine.sample_time, theta, gamma),

@@ -29,6 +29,10 @@ pub enum PlaceError {
         .nearest.map_or(String::new(), |near| format!(" (nearest that it names: {near})"))
     )]
     Sensor { sensor: &'static str, nearest: Option<&'static str> },
+    #[error(
+        "cylinder {cylinder} has no C2, as its [[cylinder]] table says, so there is no {sensor}"
+    )]
+    NotFitted { sensor: &'static str, cylinder: u8 },
     #[error("signals.cylinder.{sensor}: {error}")]
     Lookup {
         sensor: &'static str,
@@ -80,6 +84,9 @@ pub fn place(
         let named = signals.named().map(|(key, _)| key);
         return Err(PlaceError::Sensor { sensor, nearest: nearest(sensor, named) });
     };
+    if settings.signals_of(fault.cylinder).all(|(key, _)| key != sensor) {
+        return Err(PlaceError::NotFitted { sensor, cylinder: fault.cylinder });
+    }
     let name = CylinderSignals::of_cylinder(pattern, fault.cylinder);
     let (bus, name) = bus_of(&name).unwrap_or((BusNumber::First, &name));
     let (message, signal) =

@@ -113,10 +113,8 @@ impl Planned {
 pub struct Layout {
     pub messages: Vec<Planned>,
     pub values: Values,
-    /// Number of cylinders whose readings are on the bus.
-    cylinders: usize,
-    /// Whether the bus has the lengths by C1 and C2, and the speeds, of these cylinders.
-    carries: [[bool; 2]; 2],
+    /// For each cylinder whose readings are on the bus: whether the bus has the lengths by C1 and C2, and the speeds.
+    carries: Vec<[[bool; 2]; 2]>,
 }
 
 impl Layout {
@@ -142,7 +140,7 @@ impl Layout {
             builder.sync(name)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&signals.cylinder, cylinder, SendPhase::Sampled)?;
+            builder.cylinder(settings, cylinder, SendPhase::Sampled)?;
         }
         for (name, origin) in unnamed(beside) {
             builder.unnamed(name, origin)?;
@@ -156,29 +154,28 @@ impl Layout {
             builder.unnamed(name, Origin::Counter)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&signals.cylinder, cylinder, SendPhase::Commanded)?;
+            builder.cylinder(settings, cylinder, SendPhase::Commanded)?;
             if let Some(pattern) = &beside.spool {
                 let name = CylinderSignals::of_cylinder(pattern, cylinder + 1);
                 builder.unnamed(&name, Origin::Spool(usize::from(cylinder)))?;
             }
         }
         let scales = Scales { grid, spool_full, states: builder.states(signals.state.as_deref()) };
-        let signals = &signals.cylinder;
+        let carries = |n: u8| {
+            let has = |key: &str| settings.signals_of(n).any(|(known, _)| known == key);
+            [["c1", "c2"], ["c1_velocity", "c2_velocity"]].map(|keys| keys.map(has))
+        };
         Ok(Self {
             messages: builder.messages,
             values: Values::new(scales),
-            cylinders: cylinders.into(),
-            carries: [
-                [true, signals.c2.is_some()],
-                [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some),
-            ],
+            carries: (1..=cylinders).map(carries).collect(),
         })
     }
 
     /// Whether the length, and the speed, by C1 (0) or C2 (1) of the cylinder `leg`, from 0, is on the bus; the controller
     /// has its own wire for what is not.
     pub fn carries(&self, leg: usize, which: usize) -> [bool; 2] {
-        self.carries.map(|of| leg < self.cylinders && of[which])
+        self.carries.get(leg).map_or([false; 2], |carries| carries.map(|of| of[which]))
     }
 }
 
@@ -279,11 +276,11 @@ impl Builder<'_> {
     /// The signals of one cylinder that are sent in `phase`.
     fn cylinder(
         &mut self,
-        signals: &CylinderSignals,
+        settings: &Settings,
         cylinder: u8,
         phase: SendPhase,
     ) -> Result<(), LayoutError> {
-        for (key, pattern) in signals.named() {
+        for (key, pattern) in settings.signals_of(cylinder + 1) {
             let origin = origin(key, usize::from(cylinder));
             if origin.phase() == phase {
                 let name = CylinderSignals::of_cylinder(pattern, cylinder + 1);

@@ -26,7 +26,7 @@ export class Maintenance {
         ["Its identity", machine.identity], ["Calibration", calibration(machine)]]),
       element("h2", {}, "Limits, mm"),
       table("Limits", ["Cylinder", "R1", "R2", "R3", "C1 − C2"],
-        machine.limits_m.map((limits, index) => [String(index + 1), ...limits.map((limit) => number(limit * 1e3, 2))])));
+        machine.limits_m.map((limits, index) => [String(index + 1), ...limits.map((limit) => limit == null ? "–" : number(limit * 1e3, 2))])));
     this.stops.build(machine.limits_m.length);
   }
 

@@ -98,8 +98,10 @@ function fill(card, cylinder, limits) {
     say(card.drifts[which], parts.join(", "));
   });
   cylinder.residuals_mm.forEach((size, which) => {
-    const limit = limits[which] * 1e3;
     const bar = card.bars[which];
+    bar.node.hidden = limits[which] == null;
+    if (limits[which] == null) return;
+    const limit = limits[which] * 1e3;
     const share = size == null ? 0 : size / limit;
     say(bar.value, size == null ? `not judged (limit ${number(limit, 2)} mm)`
       : `${number(size, 2)} of ${number(limit, 2)} mm`);
@@ -119,6 +121,7 @@ const CATEGORIES = [
   ["out_of_specification", "out of specification: it may be this one"],
   ["check_function", "check function: its device is not operational"],
   ["maintenance_required", "maintenance required: it drifts"],
+  ["not_fitted", "not fitted: this cylinder does not have it"],
   ["unknown", "unknown: no evidence, neither good nor bad"],
 ];
 

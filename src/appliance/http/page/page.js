@@ -97,7 +97,7 @@ function listen() {
     const words = "unknown: no connection to the gateway";
     const unknown = (cylinder) => ({
       ...cylinder, residuals_mm: [null, null, null], estimate_m: null, sigma_mm: null,
-      transducers: cylinder.transducers.map((it) => ({ ...it, lamp: "unknown", words })),
+      transducers: cylinder.transducers.map((it) => it.lamp === "not_fitted" ? it : { ...it, lamp: "unknown", words }),
     });
     overview.show({ ...newest, mode: null, seconds_since_frame: null, cylinders: newest.cylinders.map(unknown) });
   }

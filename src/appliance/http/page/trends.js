@@ -192,6 +192,7 @@ const scaled = (column, factor) => column.map((value) => (value == null ? null :
 /** Words on a residual in a range: how large it was against its limit. */
 function residual(name, key, place) {
   return (time, columns, range, limits) => {
+    if (limits[place] == null) return `${name}: none, as C2 is not fitted.`;
     const found = extremes(time, columns[key], range);
     if (!found) return `${name}: none in this time.`;
     const most = Math.max(-found[0], found[1]) * MM, limit = limits[place] * MM;
@@ -205,8 +206,9 @@ function figures() {
     series: parts.map(({ name, colour }) => ({ name, colour })),
     limit: true,
     data: (time, columns, limits) => {
-      const limit = time.map(() => limits[parts[0].place] * MM);
-      return [time, ...parts.flatMap(({ key }) => columns[key].map((it) => scaled(it, MM))), limit, limit.map((it) => -it)];
+      const most = limits[parts[0].place];
+      const line = (sign) => time.map(() => most == null ? null : sign * most * MM);
+      return [time, ...parts.flatMap(({ key }) => columns[key].map((it) => scaled(it, MM))), line(1), line(-1)];
     },
     words: (...all) => parts.map(({ name, key, place }) => residual(name, key, place)(...all)).join(" "),
   });

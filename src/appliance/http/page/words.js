@@ -25,6 +25,7 @@ const SHAPES = {
   out_of_specification: { path: "M12 1.5L22.5 21h-21z", sign: "M9.6 10.4a2.4 2.4 0 1 1 3.4 2.2c-.7.4-1 .8-1 1.6m0 2.8v.4" },
   maintenance_required: { path: "M12 1l11 11-11 11L1 12z", sign: "M8 15.5v-6l4 4 4-4v6" },
   good: { path: "M12 1.5a10.5 10.5 0 1 0 0 21 10.5 10.5 0 0 0 0-21z", sign: "M7 12.5l3.5 3.5L17.5 8.5" },
+  not_fitted: { path: "M4 11h16v2H4z", sign: "" },
   unknown: { path: "M12 2.5a9.5 9.5 0 1 0 0 19 9.5 9.5 0 0 0 0-19z", sign: "M8 12h8" },
 };
 

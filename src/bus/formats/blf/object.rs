@@ -3,7 +3,7 @@
 use super::{expected, u16_at, u32_at};
 use crate::bus::format::is_fd_length;
 use crate::bus::reason::Reason;
-use crate::frame::{Frame, Id, Kind};
+use crate::frame::{Frame, Id, Kind, MAX_DATA};
 use crate::time::Timestamp;
 
 /// What every object begins with.
@@ -85,7 +85,7 @@ pub fn read(
     let channel = match head.kind {
         MESSAGE | MESSAGE_2 => classic(body, frame),
         FD_MESSAGE => fd(body, frame),
-        FD_MESSAGE_64 => fd_64(body, frame),
+        FD_MESSAGE_64 => fd_64(body, length, frame),
         _ => error(body, frame),
     };
     frame.timestamp = Timestamp::from_nanos(nanos);
@@ -122,13 +122,21 @@ fn fd(body: &[u8], frame: &mut Frame) -> Channel {
     Some(put(frame, word, remote, kind, body.get(20..)?, length).map(|()| channel))
 }
 
-fn fd_64(body: &[u8], frame: &mut Frame) -> Channel {
+/// Reads the body of an object whose head has `before` bytes.
+fn fd_64(body: &[u8], before: usize, frame: &mut Frame) -> Channel {
     let (channel, code, valid) = (*body.first()?, *body.get(1)?, usize::from(*body.get(2)?));
     let (word, flags) = (u32_at(body, 4)?, u32_at(body, 12)?);
     let kind = flags_of(flags & FD_64 != 0, flags & BRS_64 != 0, flags & ESI_64 != 0);
     let remote = flags & REMOTE_64 != 0;
     let length = if remote { usize::from(code.min(8)) } else { valid };
-    Some(put(frame, word, remote, kind, body.get(40..)?, length).map(|()| channel.into()))
+    // Vector's tools may store fewer bytes than the frame had: the rest are zeros. What is told of its timing may follow.
+    let end = match usize::from(*body.get(35)?) {
+        0 => body.len(),
+        offset => offset.saturating_sub(before).clamp(40, body.len()),
+    };
+    let (stored, mut data) = (body.get(40..end)?, [0; MAX_DATA]);
+    data.iter_mut().zip(stored).for_each(|(byte, stored)| *byte = *stored);
+    Some(put(frame, word, remote, kind, &data, length).map(|()| channel.into()))
 }
 
 fn error(body: &[u8], frame: &mut Frame) -> Channel {

@@ -11,6 +11,10 @@ const VOTERS: usize = 64;
 /// Number of bytes examined for them: enough for that many lines of any length.
 const HORIZON: usize = VOTERS * MAX_LINE;
 
+/// Least time that counts from 1970, ns: nine digits of seconds. What is padded with zeros to as many may still be a
+/// time since the previous line.
+const LEAST_ABSOLUTE: i64 = 100_000_000_000_000_000;
+
 /// Meaning of the short time stamps of one input.
 #[derive(Debug)]
 enum Meaning {
@@ -67,7 +71,9 @@ impl StampClock {
     pub fn instant(&mut self, line: &Line<'_>) -> Result<Timestamp, Reason> {
         let is_delta = match self.meaning {
             Meaning::ConsoleDelta => line.is_short_console(),
-            Meaning::Delta => line.stamp.extent == Extent::Short,
+            Meaning::Delta => {
+                line.stamp.extent == Extent::Short || line.stamp.nanos < LEAST_ABSOLUTE
+            }
             Meaning::AsTheyStand | Meaning::Undecided(_) => false,
         };
         if !is_delta {

@@ -13,7 +13,7 @@ pub(in crate::bus) mod writer;
 
 pub(in crate::bus) use common::{Common, Known};
 use line::Line;
-use stamp::Extent;
+use stamp::{Extent, Seven, Stamp};
 
 use crate::bus::encoder::Written;
 use crate::bus::format::{Format, Item, Numbered, Reader, TimeStamps, Unread, blank_frame};
@@ -25,13 +25,18 @@ use clock::StampClock;
 /// Least number of digits of seconds since 1970: candump pads absolute time stamps to ten digits.
 const ABSOLUTE_DIGITS: usize = 9;
 
+/// From `.1000000` s to the whole second that asc2log means by it, ns.
+const CARRIED: i64 = 900_000_000;
+
 /// candump's format, which also takes what no other format recognises.
 pub static FORMAT: Format = Format {
     name: "a candump recording (-l, -L, or the console form with time stamps)",
     numbered: Numbered::Lines,
     is_whole: false,
     recognise: |_| Some(true),
-    reader: |stamps| Box::new(Candump { clock: StampClock::new(stamps) }),
+    reader: |stamps| {
+        Box::new(Candump { clock: StampClock::new(stamps), has_seven_decimals: false })
+    },
     written: Some(Written {
         word: "log",
         encoder: || Box::new(writer::LogEncoder),
@@ -43,6 +48,19 @@ pub static FORMAT: Format = Format {
 /// Reads the lines that are left by [`Common`], the shortcut for most lines of a recording.
 struct Candump {
     clock: StampClock,
+    /// Whether a time stamp with seven decimals was one in tenths of a microsecond.
+    has_seven_decimals: bool,
+}
+
+impl Candump {
+    /// Reads what asc2log writes where microseconds add up to a whole second: `(1614188635.1000000)` is
+    /// 1614188636 s. A recording that has seven decimals throughout means what it says.
+    fn carry(&mut self, stamp: &mut Stamp) {
+        self.has_seven_decimals |= stamp.seven == Some(Seven::Other);
+        if stamp.seven == Some(Seven::Million) && !self.has_seven_decimals {
+            stamp.nanos = stamp.nanos.saturating_add(CARRIED);
+        }
+    }
 }
 
 impl Reader for Candump {
@@ -51,11 +69,12 @@ impl Reader for Candump {
             Ok(cut) => cut,
             Err(item) => return item,
         };
-        let line = match Line::parse(cut.text) {
+        let mut line = match Line::parse(cut.text) {
             Ok(Some(line)) => line,
             Ok(None) => return cut.nothing(),
             Err(reason) => return cut.bad(reason),
         };
+        self.carry(&mut line.stamp);
         let read = line.read_frame(frame);
         if read.is_ok() && self.clock.must_look_ahead(&line) && !self.clock.look_ahead(unread) {
             return Item::More;

@@ -18,6 +18,16 @@ pub enum Extent {
 pub struct Stamp {
     pub nanos: i64,
     pub extent: Extent,
+    /// Its seven decimals, where it has so many. candump writes six or nine.
+    pub seven: Option<Seven>,
+}
+
+/// Seven decimals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seven {
+    /// `1000000`: tenths of a microsecond, or a million microseconds.
+    Million,
+    Other,
 }
 
 impl Stamp {
@@ -25,7 +35,7 @@ impl Stamp {
     pub fn parse(text: &[u8]) -> Result<Self, Reason> {
         if text.get(4) == Some(&b'-') {
             let nanos = date(text)?;
-            return Ok(Self { nanos, extent: Extent::Absolute });
+            return Ok(Self { nanos, extent: Extent::Absolute, seven: None });
         }
         let (negative, text) = match text.strip_prefix(b"-") {
             Some(rest) => (true, rest),
@@ -36,7 +46,12 @@ impl Stamp {
         let extent = if long { Extent::Absolute } else { Extent::Short };
         let nanos = i128::from(seconds(whole)?) * NANOS_PER_SECOND + i128::from(fraction);
         let nanos = in_range(if negative { -nanos } else { nanos })?;
-        Ok(Self { nanos, extent })
+        let seven = match text.get(whole.len() + 1..) {
+            Some(b"1000000") => Some(Seven::Million),
+            Some([_, _, _, _, _, _, _]) => Some(Seven::Other),
+            _ => None,
+        };
+        Ok(Self { nanos, extent, seven })
     }
 }
 

@@ -6,7 +6,7 @@ use super::block::{Flaw, number};
 use super::group::{Carries, FramePart, Group, Groups, Layout, Payload};
 use super::stream::{Stream, Unfinished};
 use super::variable::Variable;
-use crate::bus::format::{FD_LENGTHS, is_fd_length};
+use crate::bus::format::{FD_LENGTHS, blank_frame, is_fd_length};
 use crate::bus::reason::Reason;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
@@ -60,6 +60,21 @@ impl Cursor {
         Self { groups, stream, variables, record: Vec::new(), start }
     }
 
+    /// Whether all frames are in the order of time, as far as they can be read.
+    pub fn are_in_order(mut self, file: &[u8]) -> bool {
+        let (mut frame, mut newest) = (blank_frame(), None);
+        loop {
+            match self.next(file, &mut frame) {
+                Next::Frame(_) if newest.is_some_and(|newest| frame.timestamp < newest) => {
+                    return false;
+                }
+                Next::Frame(_) => newest = Some(frame.timestamp),
+                Next::Other | Next::Bad(_) => {}
+                Next::End => return true,
+            }
+        }
+    }
+
     /// Reads the next record; a frame is written into `frame`.
     pub fn next(&mut self, file: &[u8], frame: &mut Frame) -> Next {
         match self.record(file, frame) {
@@ -103,6 +118,7 @@ impl Cursor {
                 Some(Group::Other(length)) if stream.skip(file, *length)? => {
                     return Ok(Next::Other);
                 }
+                Some(Group::Elsewhere(length)) => stream.skip(file, *length)?,
                 Some(Group::Other(_)) => false,
                 None => {
                     stream.give_up();

@@ -74,6 +74,10 @@ impl FramePart {
 }
 
 impl Layout {
+    const fn is_variable(&self) -> bool {
+        matches!(self.payload, Payload::Variable(..))
+    }
+
     /// The number in a record; `None` if frames of the group have none.
     pub fn number(&self, part: FramePart, record: &[u8]) -> Option<u64> {
         self.parts[part as usize].as_ref().map(|part| part.of(record))
@@ -88,6 +92,8 @@ pub enum Group {
     Variable(u64),
     /// Something else, in records of this length.
     Other(u64),
+    /// Frames, or something else, that another reader of the same data takes, in records of this length.
+    Elsewhere(u64),
 }
 
 /// The groups with data in common, by the numbers that their records begin with.
@@ -140,11 +146,38 @@ impl Groups {
 
     /// How many places of the file are read at the same time for frames: none where no group has any.
     pub fn readers(&self) -> usize {
-        let frames = self.all.values().filter_map(|group| match group {
-            Group::Frames(layout) => Some(matches!(layout.payload, Payload::Variable(..))),
+        let frames = self.frames().map(|layout| usize::from(layout.is_variable()));
+        frames.fold(0, |readers, variable| readers.max(1) + variable)
+    }
+
+    /// The same, if each group of frames has a reader of its own.
+    pub fn readers_apart(&self) -> usize {
+        self.frames().map(|layout| 1 + usize::from(layout.is_variable())).sum()
+    }
+
+    fn frames(&self) -> impl Iterator<Item = &Layout> {
+        self.all.values().filter_map(|group| match group {
+            Group::Frames(layout) => Some(&**layout),
             _ => None,
-        });
-        frames.fold(0, |readers, is_variable| readers.max(1) + usize::from(is_variable))
+        })
+    }
+
+    /// The groups for one reader for each group of frames. The first reader has what is of no frames, too.
+    pub fn apart(&self) -> Vec<Self> {
+        let is_frames = |(_, group): &(&u64, &Group)| matches!(group, Group::Frames(_));
+        let ids = self.all.iter().filter(is_frames).map(|(id, _)| *id);
+        let only = |(n, id): (usize, u64)| {
+            let mut groups = self.clone();
+            for (other, group) in &mut groups.all {
+                *group = match group {
+                    Group::Frames(layout) if *other != id => Group::Elsewhere(layout.length as u64),
+                    Group::Other(length) if n > 0 => Group::Elsewhere(*length),
+                    _ => continue,
+                };
+            }
+            groups
+        };
+        ids.enumerate().map(only).collect()
     }
 }
 

@@ -1,12 +1,13 @@
 //! The frames of a whole file, in the order of time where they stand in several groups.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use super::block::{Block, Flaw, Walk, number, tail};
 use super::cursor::{Cursor, Next};
 use super::group::Groups;
 use super::stream::Unfinished;
 use crate::bus::format::blank_frame;
+use crate::bus::reason::Reason;
 use crate::frame::Frame;
 
 /// Where the head of a measurement stands.
@@ -16,10 +17,12 @@ const UNFINISHED: usize = 60;
 /// Most places that are read at the same time. Each may hold an unpacked block.
 const MOST: usize = 64;
 
-/// A group's next frame.
+/// The next frame of a group, or of several that are in the order of time together.
 #[derive(Debug)]
 struct Ahead {
     cursor: Cursor,
+    /// The set of groups whose data it reads.
+    set: usize,
     frame: Frame,
     /// Its channel, once it is read.
     channel: Option<u64>,
@@ -31,6 +34,9 @@ pub struct Log {
     /// What was wrong before the first record.
     flaws: VecDeque<Flaw>,
     groups: Vec<Ahead>,
+    /// Flaws for which data of a set cannot be read any more, each of which is met by all readers of the set: the set and
+    /// the place.
+    met: BTreeSet<(usize, u64)>,
     /// Whether its times count from 1970.
     pub absolute: bool,
 }
@@ -48,12 +54,19 @@ impl Log {
                 "the file has no group of CAN frames: bus logging is read, decoded signals are not";
             flaws.push(Flaw::told(HEADER, told));
         }
-        let ahead = |groups: Groups| {
-            let cursor = Cursor::new(file, groups, unfinished, start);
-            Ahead { cursor, frame: blank_frame(), channel: None }
-        };
-        let groups = groups.into_iter().map(ahead).collect();
-        Self { flaws: flaws.into(), groups, absolute: start != 0 }
+        let open = |groups| Cursor::new(file, groups, unfinished, start);
+        let mut room = MOST.saturating_sub(groups.iter().map(Groups::readers).sum());
+        let mut readers = Vec::new();
+        for (set, groups) in groups.into_iter().enumerate() {
+            let more = groups.readers_apart() - groups.readers();
+            // Groups with data in common may have been written in turn, each when its buffer was full.
+            let is_apart = more > 0 && more <= room && !open(groups.clone()).are_in_order(file);
+            room -= if is_apart { more } else { 0 };
+            let parts = if is_apart { groups.apart() } else { vec![groups] };
+            let ahead = |cursor| Ahead { cursor, set, frame: blank_frame(), channel: None };
+            readers.extend(parts.into_iter().map(open).map(ahead));
+        }
+        Self { flaws: flaws.into(), groups: readers, met: BTreeSet::new(), absolute: start != 0 }
     }
 
     /// Reads the next record; a frame is written into `frame`.
@@ -66,7 +79,14 @@ impl Log {
             match ahead.cursor.next(file, &mut ahead.frame) {
                 Next::Frame(channel) => ahead.channel = Some(channel),
                 Next::End => drop(self.groups.remove(place)),
-                next => return next,
+                Next::Bad(flaw) => {
+                    let ends = flaw.loses || matches!(flaw.reason, Reason::Incomplete);
+                    let set = ahead.set;
+                    if !ends || self.met.insert((set, flaw.at)) {
+                        return Next::Bad(flaw);
+                    }
+                }
+                Next::Other => return Next::Other,
             }
         }
         let Some(first) = self.groups.iter_mut().min_by_key(|ahead| ahead.frame.timestamp) else {

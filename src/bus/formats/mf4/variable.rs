@@ -121,7 +121,7 @@ impl Variable {
                     number(&self.bytes, 0, LENGTH).unwrap_or(0)
                 }
                 Some(Group::Frames(layout)) => layout.length as u64,
-                Some(Group::Other(length)) => *length,
+                Some(Group::Other(length) | Group::Elsewhere(length)) => *length,
                 None => {
                     // The reader of the records tells it.
                     self.stream.give_up();

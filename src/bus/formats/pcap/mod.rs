@@ -331,9 +331,8 @@ impl Pcap {
         frame: &mut Frame,
     ) -> Step {
         let broken = |reason| Broken { taken: Some(taken), reason };
-        let Some(can) = link.can_of(packet, &mut self.numbered, &mut self.interface) else {
-            return Ok(Some((taken, false)));
-        };
+        let can = link.can_of(packet, self.big, &mut self.numbered, &mut self.interface);
+        let Some(can) = can else { return Ok(Some((taken, false))) };
         packet::read(can, frame).map_err(broken)?;
         let nanos = i64::try_from(nanos).map_err(|_| broken(Reason::StampRange))?;
         frame.timestamp = Timestamp::from_nanos(nanos);

@@ -56,21 +56,31 @@ impl Unit {
     }
 }
 
+/// A CAN frame in a packet, as Linux lays it out.
+#[derive(Clone, Copy, Debug)]
+pub struct Packed<'a> {
+    bytes: &'a [u8],
+    /// Whether the identifier has its highest byte first. An interface of CAN is captured in network byte order; a
+    /// cooked capture keeps the byte order of the computer that wrote it.
+    big: bool,
+}
+
 impl Link {
     /// The CAN frame in a packet, and the name of its interface, which may be one of the `numbered`; `None` in a packet
-    /// of something else.
+    /// of something else. `written_big` tells whether the numbers of the file have their highest byte first.
     pub fn can_of<'a>(
         &self,
         packet: &'a [u8],
+        written_big: bool,
         numbered: &mut NumberedName,
         interface: &mut Vec<u8>,
-    ) -> Option<&'a [u8]> {
-        let (can, index) = match self.kind {
-            SOCKETCAN => (Some(packet), None),
-            COOKED if is_can(packet.get(14..)) => (packet.get(16..), None),
+    ) -> Option<Packed<'a>> {
+        let (can, big, index) = match self.kind {
+            SOCKETCAN => (Some(packet), true, None),
+            COOKED if is_can(packet.get(14..)) => (packet.get(16..), written_big, None),
             COOKED_2 if is_can(packet.get(0..)) => {
                 let index = packet.get(4..).and_then(<[u8]>::first_chunk);
-                (packet.get(20..), index.map(|index| u32::from_be_bytes(*index)))
+                (packet.get(20..), written_big, index.map(|index| u32::from_be_bytes(*index)))
             }
             _ => return None,
         };
@@ -79,7 +89,7 @@ impl Link {
             Some(index) => interface.extend_from_slice(numbered.of("if", index.into())),
             None => interface.extend_from_slice(&self.name),
         }
-        Some(can.unwrap_or(&[]))
+        Some(Packed { bytes: can.unwrap_or(&[]), big })
     }
 }
 
@@ -94,13 +104,15 @@ pub fn printable(name: &[u8]) -> Vec<u8> {
     name.iter().copied().filter(u8::is_ascii_graphic).take(MAX_INTERFACE).collect()
 }
 
-/// Reads a frame as Linux lays it out, with its identifier in network byte order.
-pub fn read(bytes: &[u8], frame: &mut Frame) -> Result<(), Reason> {
+/// Reads a frame.
+pub fn read(Packed { bytes, big }: Packed<'_>, frame: &mut Frame) -> Result<(), Reason> {
     let expected = "a CAN frame of 8 bytes and its data";
     let short = Reason::Expected { found: Found::first(bytes), expected };
     let (head, data) = bytes.split_first_chunk::<FRAME_HEAD>().ok_or(short)?;
     let [a, b, c, d, length, flags, ..] = *head;
-    let (word, length) = (u32::from_be_bytes([a, b, c, d]), usize::from(length));
+    let word =
+        if big { u32::from_be_bytes([a, b, c, d]) } else { u32::from_le_bytes([a, b, c, d]) };
+    let length = usize::from(length);
     let value = word & !(EXTENDED | REMOTE | ERROR);
     let is_fd = flags & IS_FD != 0 || bytes.len() == FD_FRAME;
     frame.kind = match word {

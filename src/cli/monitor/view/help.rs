@@ -19,12 +19,13 @@ const KEYS: [(&str, &str); 6] = [
 ];
 
 /// Categories of NAMUR NE 107, and what they mean here.
-const LAMPS: [(Lamp, &str); 6] = [
+const LAMPS: [(Lamp, &str); 7] = [
     (Lamp::Good, "judged, and nothing found"),
     (Lamp::Failure, "a warning blames it"),
     (Lamp::OutOfSpecification, "it may be this one or the other"),
     (Lamp::CheckFunction, "its device is not operational"),
     (Lamp::MaintenanceRequired, "its readings on the stops drift"),
+    (Lamp::NotFitted, "this cylinder does not have it"),
     (Lamp::Unknown, "no evidence, neither good nor bad"),
 ];
 

@@ -26,6 +26,7 @@ impl Marks {
             Lamp::OutOfSpecification => ("▲", "A", badge(Color::Black, Color::Yellow)),
             Lamp::MaintenanceRequired => ("◆", "M", badge(Color::White, Color::Blue)),
             Lamp::Good => ("●", "o", Style::new().fg(Color::Green)),
+            Lamp::NotFitted => ("–", "-", quiet()),
             Lamp::Unknown => ("○", "?", Style::new()),
         };
         (self.pick(shape, ascii), style)

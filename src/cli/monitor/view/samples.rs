@@ -27,7 +27,7 @@ pub fn picture(now: Duration) -> Picture {
 }
 
 fn told() -> [News; 3] {
-    let limits_m = vec![vec![1e-3, 1e-3, 1.5e-3, 0.05]; 6];
+    let limits_m = vec![[1e-3, 1e-3, 1.5e-3, 0.05].map(Some).to_vec(); 6];
     let machine = WatchedMachine { name: "Ampelmann E-type".to_owned(), limits_m };
     [News::Machine(machine), News::Trends(trend()), News::Overview(overview())]
 }

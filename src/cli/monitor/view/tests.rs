@@ -96,6 +96,7 @@ fn no_colour_is_needed_and_none_is_unreadable() {
         Lamp::OutOfSpecification,
         Lamp::MaintenanceRequired,
         Lamp::Good,
+        Lamp::NotFitted,
         Lamp::Unknown,
     ];
     for marks in [COLOURED, Marks { unicode: false, colours: true }] {

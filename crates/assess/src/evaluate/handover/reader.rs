@@ -238,7 +238,8 @@ pub(super) mod tests {
     fn a_length_is_that_of_its_cycle_and_only_where_it_is_valid() {
         let (mut encoder, mut reader) = gateway();
         for (cylinder, valid) in [(2, true), (5, false)] {
-            let estimate = Estimate { position: 0.25, sigma: 1e-4, source: Source::Both, valid };
+            let estimate =
+                Estimate { position: 0.25, sigma: 1e-4, source: Source::Both, valid, without: 0.0 };
             let frame = encoder.estimate(at(20), cylinder, Some(&estimate));
             assert_eq!(reader.take(frame.as_frame()), None);
         }

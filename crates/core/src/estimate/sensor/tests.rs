@@ -48,6 +48,7 @@ fn sound(cycle: u64) -> SensorInput {
         follows: true,
         trusted: [true; 2],
         undecided: false,
+        doubted: false,
         process: false,
     }
 }

@@ -10,6 +10,7 @@ use crate::observe::observer::ObserverDesign;
 use crate::process::ProcessDesign;
 use crate::sample::device::DeviceDesign;
 use crate::sample::plausibility::PlausibilityLimits;
+use crate::sample::{Field, Transducer};
 use crate::sequential;
 use crate::time::Span;
 use crate::verdict::BankDesign;
@@ -56,9 +57,18 @@ pub struct CylinderDesign {
 }
 
 impl CylinderDesign {
-    /// Limits of the quantities of an incident, m.
+    /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2.
     pub const fn limits(&self) -> [f64; QUANTITIES] {
         let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);
-        [observer, observer, difference, self.critical]
+        if self.has(Transducer::C2) {
+            [observer, observer, difference, self.critical]
+        } else {
+            [observer, f64::INFINITY, f64::INFINITY, f64::INFINITY]
+        }
+    }
+
+    /// Whether the cylinder has this transducer.
+    pub const fn has(&self, transducer: Transducer) -> bool {
+        self.required & Field::Position(transducer).bit() != 0
     }
 }

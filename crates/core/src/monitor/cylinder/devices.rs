@@ -30,6 +30,18 @@ pub(super) fn watches(designs: &[Option<DeviceDesign>; 3]) -> Option<Box<Watches
 }
 
 impl Cylinder {
+    /// Judges a command that is not good, or was not.
+    #[inline(never)]
+    pub(super) fn doubt_command(&mut self, quality: Quality, at: Timestamp) {
+        let quality = match self.word(DeviceRole::Valve as usize) {
+            DeviceWord::Failed => Quality::Failed,
+            DeviceWord::Lost => Quality::Stale,
+            DeviceWord::Nothing | DeviceWord::NotOperational => quality,
+        };
+        let report = self.report(DeviceRole::Valve as usize);
+        self.implausible[2].judge(at, Checked { quality, beyond: 0.0, report });
+    }
+
     fn watch_mut(&mut self, role: DeviceRole) -> Option<&mut DeviceWatch> {
         self.devices.as_mut()?.each[role as usize].as_mut()
     }

@@ -1,11 +1,12 @@
 //! Inputs of the virtual sensor in a cycle.
 
-use super::{Cylinder, Evaluation};
+use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::alarm::Finding;
+use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::estimate::{Estimate, SensorInput, VirtualSensor};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::Measurement;
-use crate::verdict::Suspect;
+use crate::verdict::{Fault, Suspect};
 use alloc::boxed::Box;
 
 impl Cylinder {
@@ -20,6 +21,20 @@ impl Cylinder {
     #[inline]
     pub fn estimated(&self) -> Option<Option<&Estimate>> {
         self.sensor.as_ref().map(|_| self.estimated.as_ref())
+    }
+
+    /// Whether no transducer is trusted, and the reading of one may have been wrong before it was blamed: what is found by
+    /// its innovation, or once it has stood for long enough, is found later than it began.
+    fn is_last_doubted(&self, found: &[Option<Finding>; PLACES], trusted: [bool; 2]) -> bool {
+        let is_left = |i: usize| self.has(TRANSDUCERS[i]) && trusted[i];
+        let facts = [WarningPlace::PlausibilityOfC1, WarningPlace::PlausibilityOfC2];
+        let is_fact = |place: usize| facts.iter().any(|fact| *fact as usize == place);
+        let is_late = |(place, it): (usize, &Finding)| {
+            matches!(it.suspect, Suspect::C1 | Suspect::C2)
+                && (!is_fact(place) || it.fault == Fault::Frozen)
+        };
+        let mut each = found.iter().enumerate().filter_map(|(k, it)| Some((k, it.as_ref()?)));
+        !is_left(0) && !is_left(1) && each.any(is_late)
     }
 
     /// Estimates the length, after everything that blames a transducer in this cycle has done so.
@@ -38,6 +53,7 @@ impl Cylinder {
             // Whoever is blamed is what the two differ by.
             undecided: blames(Suspect::Undecided) && trusted == [true; 2],
             process: blames(Suspect::Process),
+            doubted: self.is_last_doubted(&found, trusted),
         };
         self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
     }

@@ -13,6 +13,7 @@ impl Cylinder {
     pub fn finds_anything(&self) -> bool {
         self.bank.any_found()
             || self.was_critical
+            || self.last.any_latched()
             || self.implausible.iter().any(Implausible::raised)
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
             || self.process.as_ref().is_some_and(|process| process.alarm().is_some())
@@ -26,8 +27,11 @@ impl Cylinder {
             |i, detection| self.observer_finding(self.told(i, self.agreed(i, detection)));
         let mut findings = [None; PLACES];
         let mut put = |place: WarningPlace, finding| findings[place as usize] = finding;
-        put(WarningPlace::Fde1, fde1.map(|detection| of_observer(0, detection)));
-        put(WarningPlace::Fde2, fde2.map(|detection| of_observer(1, detection)));
+        for (i, place) in [WarningPlace::Fde1, WarningPlace::Fde2].into_iter().enumerate() {
+            let found = [fde1, fde2][i];
+            let usual = || found.map(|detection| of_observer(i, detection));
+            put(place, self.last_finding(i, found).or_else(usual));
+        }
         let fde3 = fde3.map(|detection| self.named(detection));
         put(WarningPlace::Fde3, self.difference_finding(fde3));
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
@@ -36,8 +40,16 @@ impl Cylinder {
         put(WarningPlace::Sequential, self.sequential_finding());
         put(WarningPlace::Process, self.process_finding());
         put(WarningPlace::Hexapod, self.hexapod_finding());
-        let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
-        if blames(Suspect::C1) && blames(Suspect::C2) {
+        let blames = |i: usize| {
+            let own = [WarningPlace::Fde1, WarningPlace::Fde2][i] as usize;
+            // A single sample of the last one is not yet the loss of both.
+            let counts = |place| place != own || !self.last.is_tentative(i);
+            let is_blamed = |f: &Finding| f.suspect == [Suspect::C1, Suspect::C2][i];
+            (0..PLACES)
+                .any(|place| counts(place) && findings[place].as_ref().is_some_and(is_blamed))
+                || !self.has(TRANSDUCERS[i])
+        };
+        if blames(0) && blames(1) {
             for finding in findings.iter_mut().flatten() {
                 if matches!(finding.suspect, Suspect::C1 | Suspect::C2) {
                     finding.level = finding.level.max(levels.both);
@@ -72,7 +84,13 @@ impl Cylinder {
     fn named(&self, detection: Detection) -> Detection {
         let alarm = self.sequential.as_ref().and_then(|it| it.alarm());
         let named = alarm.filter(|it| it.by.is_some_and(Testimony::is_of_the_rod));
+        let latched = [0, 1].map(|i| self.last.is_latched(i));
         match named {
+            // It was out before the other one came back.
+            None if detection.suspect == Suspect::Undecided && latched[0] != latched[1] => {
+                let suspect = if latched[0] { Suspect::C1 } else { Suspect::C2 };
+                Detection { suspect, ..detection }
+            }
             Some(alarm) if detection.suspect == Suspect::Undecided => {
                 let suspect = self.precedence.suspect_by_the_rod(2, alarm.suspect);
                 Detection { suspect, ..detection }
@@ -81,7 +99,7 @@ impl Cylinder {
         }
     }
 
-    fn observer_finding(&self, detection: Detection) -> Finding {
+    pub(super) fn observer_finding(&self, detection: Detection) -> Finding {
         Finding {
             fault: detection.fault,
             suspect: detection.suspect,
@@ -200,10 +218,6 @@ impl Cylinder {
 
     fn implausible_finding(&self, i: usize, suspect: Suspect) -> Option<Finding> {
         let implausible = self.implausible.get(i).filter(|implausible| implausible.raised())?;
-        // Two transducers do not freeze at once: it is the cylinder that does not follow. But one that
-        // stood while the other moved is frozen, wherever that has come to rest since.
-        let at_once = |i: usize| self.is_frozen(i) && !self.plausibility[i].is_witnessed();
-        let suspect = if i < 2 && at_once(0) && at_once(1) { Suspect::Process } else { suspect };
         let out_of_range = implausible.fault == Fault::OutOfRange;
         Some(Finding {
             fault: implausible.fault,
@@ -222,7 +236,7 @@ impl Cylinder {
         core::array::from_fn(|i| {
             let blamed = [Suspect::C1, Suspect::C2][i];
             if !self.has(TRANSDUCERS[i]) {
-                Health::Unknown
+                Health::NotFitted
             } else if stands(blamed) {
                 Health::Faulty
             } else if stands(Suspect::Undecided) {

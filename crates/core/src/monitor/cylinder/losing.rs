@@ -20,7 +20,7 @@ impl Cylinder {
         self.blanks.interrupt(last, self.tally.cycles);
         self.motions = Default::default();
         self.interrupt_devices([true; 3]);
-        self.push = None;
+        self.way = 0.0;
         self.pending = false;
         self.inputs.clear();
     }
@@ -43,7 +43,7 @@ impl Cylinder {
             }
         }
         if command {
-            self.push = None;
+            self.way = 0.0;
             self.commands.reset();
             self.implausible[2].trigger.interrupt();
         }
@@ -65,5 +65,6 @@ impl Cylinder {
         }
         self.critical.interrupt();
         self.precedence.interrupt();
+        self.last.interrupt();
     }
 }

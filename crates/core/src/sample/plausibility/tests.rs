@@ -9,6 +9,7 @@ fn limits() -> PlausibilityLimits {
         lengths: (-1.5, 1.5),
         frozen: 4,
         travel: 1e-3,
+        driven: 10e-3,
     }
 }
 
@@ -16,8 +17,9 @@ fn reading(position: f64) -> Reading {
     Reading { position, code: Some(100), status: Some(0), ..Reading::default() }
 }
 
-const MOVING: Moment = Moment { live: true, push: Some(Push::Positive), other: None };
-const STILL: Moment = Moment { push: None, ..MOVING };
+const MOVING: Moment =
+    Moment { live: true, push: Some(Push::Positive), way: 2e-3, been: NOWHERE, other: None };
+const STILL: Moment = Moment { push: None, way: 0.0, ..MOVING };
 
 /// The other transducer in motion, at `position`.
 fn passing(position: f64) -> Moment {
@@ -85,7 +87,9 @@ fn frozen_in(
     let judge = |cycle: &u64| {
         motion.follow(other(*cycle));
         let other = other(*cycle).map(|position| Other::new(position, &motion));
-        let moment = Moment { other, push: push(*cycle), ..MOVING };
+        let push = push(*cycle);
+        let way = push.map_or(0.0, |push| [2e-3, -2e-3][push as usize]);
+        let moment = Moment { other, push, way, ..MOVING };
         checks.judge(Some(&reading(0.5)), moment) == Quality::Frozen
     };
     (0..100).find(judge)
@@ -117,12 +121,59 @@ fn at_rest_is_not_frozen() {
     assert_eq!(frozen_in(noise, out), None, "it is noisy");
 }
 
+/// A sea of this command, m/s in a cycle, around a dead band of 1 mm in each cycle.
+fn at_sea(amplitude: f64, period: f64) -> impl FnMut(u32) -> (Option<Push>, f64) {
+    move |cycle| {
+        let way = amplitude * libm::sin(f64::from(cycle) * core::f64::consts::TAU / period);
+        (Push::of(way, 1e-3), way)
+    }
+}
+
+/// The cycle in which a reading that stands from cycle 0 on, without a witness, is frozen.
+fn frozen_alone(
+    mut command: impl FnMut(u32) -> (Option<Push>, f64),
+    been: [f64; 2],
+) -> Option<u32> {
+    let mut checks = Plausibility::new(limits());
+    (0..5000).find(|cycle| {
+        let (push, way) = command(*cycle);
+        let moment = Moment { push, way: if push.is_some() { way } else { 0.0 }, been, ..MOVING };
+        checks.judge(Some(&reading(0.5)), moment) == Quality::Frozen
+    })
+}
+
+/// Its command is at rest for some cycles at each turn, and goes one way for 60 cycles or more.
+#[test]
+fn without_a_witness_a_reading_that_stands_in_a_smooth_sea_is_frozen() {
+    let found = frozen_alone(at_sea(5e-3, 160.0), NOWHERE).expect("both ways");
+    assert!((80..100).contains(&found), "{found}");
+    let found = frozen_alone(at_sea(5e-3, 160.0), [-1.0, 1.0]).expect("no stop holds it");
+    assert!((20..30).contains(&found), "{found}");
+    let found = frozen_alone(at_sea(1.5e-3, 160.0), [-1.0, 1.0]).expect("a calm sea");
+    assert!((30..60).contains(&found), "{found}");
+}
+
+/// On its stop the rod is pushed against it; in the middle a command that dithers moves nothing.
+#[test]
+fn without_a_witness_a_rod_that_stands_is_not_frozen() {
+    let against = |_| (Some(Push::Positive), 5e-3);
+    assert_eq!(frozen_alone(against, [-1.0, 0.505]), None, "it has not been beyond");
+    let from_below = |_| (Some(Push::Negative), -5e-3);
+    assert_eq!(frozen_alone(from_below, [0.495, 1.0]), None);
+    let dither = |cycle: u32| {
+        let way = if cycle.is_multiple_of(2) { 2e-3 } else { -2e-3 };
+        (Push::of(way, 1e-6), way)
+    };
+    assert_eq!(frozen_alone(dither, [-1.0, 1.0]), None);
+    assert_eq!(frozen_alone(|_| (None, 0.0), [-1.0, 1.0]), None, "no command");
+}
+
 /// A stop holds the rod against one direction only.
 #[test]
 fn without_a_witness_the_command_has_to_move_either_way() {
     let turning = |cycle| Some(if cycle % 40 < 20 { Push::Positive } else { Push::Negative });
-    assert_eq!(frozen_in(|_| None, turning), Some(23));
-    assert_eq!(frozen_in(|_| Some(0.2), turning), Some(23), "the cylinder does not follow");
+    assert_eq!(frozen_in(|_| None, turning), Some(24));
+    assert_eq!(frozen_in(|_| Some(0.2), turning), Some(24), "the cylinder does not follow");
     assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 2) as f64), turning), None);
 }
 

@@ -1,0 +1,271 @@
+//! One machine whose cylinders have one transducer left.
+
+use super::outcome::{Heard, LastOutcome, LastQuiet, Pair, WATCH};
+use super::{LastGroup, Outage, STRETCH};
+use crate::evaluate::estimate::sound;
+use crate::evaluate::stand::{Stand, StandError};
+use crate::evaluate::trial::signed;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use tertius_config::settings::Settings;
+use tertius_core::alarm::Warning;
+use tertius_core::estimate::Estimate;
+use tertius_core::incident::Incident;
+use tertius_core::monitor::{Estimates, Monitor, MonitorDesign, Sink};
+use tertius_core::time::{Span, Timestamp};
+use tertius_core::verdict::Suspect;
+use tertius_machine::inject::{Fault, Placed, Wanted, Window, place};
+use tertius_machine::plant::CYLINDERS;
+use tertius_machine::simulator::{Options, Simulator};
+
+/// Time before anything happens, s: the accuracy of the model has to be measured first.
+const LEAD: f64 = 60.0;
+
+/// Time until the earliest outage after that, and span within which the outages begin, s.
+const READY: f64 = 0.5;
+const SPREAD: f64 = 5.0;
+
+/// Time from the outage to the earliest fault, and span within which the faults begin, s.
+const APART: f64 = 10.0;
+const FAULT_SPREAD: f64 = 1.0;
+
+/// An estimate is wrong when it is off by more of its own standard deviations than this.
+const WRONG: f64 = 3.0;
+
+/// What is drawn of a cylinder. Times count from the end of [`LEAD`], s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Leg {
+    pair: Pair,
+    outage: f64,
+    at: f64,
+    /// Signs of the outage and of the fault.
+    signs: [f64; 2],
+}
+
+/// What is drawn of a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Drawn {
+    seed: u64,
+    sea: [f64; 2],
+    legs: Vec<Leg>,
+}
+
+impl Drawn {
+    /// Draws machine `number` of `group`, of so many `cylinders`, in this `sea`.
+    pub fn new(
+        group: &LastGroup,
+        number: u32,
+        cylinders: u8,
+        sea: [f64; 2],
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        let seed = rng.random();
+        let legs = (1..=cylinders).map(|cylinder| {
+            let outage = READY + SPREAD * rng.random::<f64>();
+            let at = outage + APART + FAULT_SPREAD * rng.random::<f64>();
+            let second = rng.random::<bool>() && !group.in_loop && !group.single;
+            let pair = [Suspect::C1, Suspect::C2];
+            let [last, other] = if second { [pair[1], pair[0]] } else { pair };
+            let signs = [(); 2].map(|()| if rng.random::<bool>() { 1.0 } else { -1.0 });
+            Leg { pair: Pair { cylinder, last, other }, outage, at, signs }
+        });
+        let mut legs: Vec<Leg> = legs.collect();
+        legs.retain(|leg| {
+            cylinders == 1 || (u32::from(leg.pair.cylinder) + number).is_multiple_of(2)
+        });
+        Self { seed, sea, legs }
+    }
+}
+
+/// Hears the monitor.
+#[derive(Clone)]
+struct Listener {
+    warnings: Vec<Warning>,
+    incidents: Vec<Incident>,
+    /// Cycles in which the estimate of a cylinder was valid and wrong.
+    wrong: [Vec<Timestamp>; CYLINDERS],
+    half: Span,
+    /// True lengths of the newest two cycles: a cycle that lacks something is reported during the next.
+    truth: [(Timestamp, [f64; CYLINDERS]); 2],
+}
+
+impl Sink for Listener {
+    fn wants_records(&self) -> bool {
+        false
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(*warning);
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.incidents.push(*incident);
+    }
+
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        let Some(estimate) = estimate.filter(|estimate| estimate.valid) else { return };
+        let of_cycle = |(opening, _): &&(Timestamp, _)| {
+            at.since(*opening).as_nanos().abs() < self.half.as_nanos()
+        };
+        let Some((opening, truth)) = self.truth.iter().find(of_cycle) else { return };
+        let leg = usize::from(cylinder) - 1;
+        if (estimate.position - truth[leg]).abs() > WRONG * estimate.sigma {
+            self.wrong[leg].push(*opening);
+        }
+    }
+}
+
+/// A machine at work, and its monitor.
+#[derive(Clone)]
+struct Running {
+    simulator: Simulator,
+    monitor: Monitor,
+    listener: Listener,
+}
+
+impl Running {
+    fn step(&mut self) {
+        let Self { simulator, monitor, listener } = self;
+        listener.truth = [listener.truth[1], (simulator.opening(), sound(simulator))];
+        simulator.step(&mut |frame| monitor.take(frame, listener));
+    }
+}
+
+impl Stand<'_> {
+    /// Plays the machine of `drawn` with every outage of `group`, each with every one of `faults`.
+    pub(super) fn left_with(
+        &self,
+        group: &LastGroup,
+        faults: &[Option<Wanted>],
+        drawn: &Drawn,
+    ) -> Result<Vec<Vec<LastOutcome>>, StandError> {
+        let ready = self.ready(group, drawn)?;
+        let each =
+            group.outages().iter().flat_map(|it| faults.iter().map(move |fault| (it, fault)));
+        each.map(|(outage, wanted)| self.struck(group, &ready, drawn, (*outage, *wanted))).collect()
+    }
+
+    /// Plays the machine of `drawn` with that `outage` and no other fault.
+    pub(super) fn left_alone(
+        &self,
+        group: &LastGroup,
+        outage: Outage,
+        drawn: &Drawn,
+    ) -> Result<LastQuiet, StandError> {
+        let mut running = self.ready(group, drawn)?;
+        let begun = running.simulator.opening();
+        let outages = self.placed_outages(group, outage, drawn)?;
+        running.simulator.afflict(&outages, drawn.seed);
+        for _ in 0..self.cycles(STRETCH - LEAD) {
+            running.step();
+        }
+        running.monitor.finish(&mut running.listener);
+        let mut quiet = LastQuiet::default();
+        for leg in &drawn.legs {
+            let from = begun.after(Span::from_seconds(leg.outage));
+            quiet.count(&running.listener.warnings, leg.pair, from);
+            quiet.cycles += self.cycles(STRETCH - LEAD - leg.outage);
+        }
+        Ok(quiet)
+    }
+
+    /// The configuration and the monitor of the machines of `group`.
+    fn of_group(&self, group: &LastGroup) -> Result<(&Settings, &MonitorDesign), StandError> {
+        if !group.single {
+            return Ok((self.settings, self.design));
+        }
+        let single = self.single.as_ref().map(|(settings, design)| (settings, design));
+        single.ok_or_else(|| StandError::Untaught("no monitor without C2".to_owned()))
+    }
+
+    /// The machine of `drawn`, at work for [`LEAD`].
+    fn ready(&self, group: &LastGroup, drawn: &Drawn) -> Result<Running, StandError> {
+        let (settings, design) = self.of_group(group)?;
+        let (sea, in_loop) = (Some(drawn.sea), group.in_loop);
+        let options = Options { seed: drawn.seed, sea, in_loop, ..Options::default() };
+        let tables = self.tables_of(group.grade);
+        let simulator = Simulator::new(tables, settings, self.database, &options)?;
+        let design = MonitorDesign { estimates: Estimates::Told, ..design.clone() };
+        let listener = Listener {
+            warnings: Vec::new(),
+            incidents: Vec::new(),
+            wrong: Default::default(),
+            half: Span::from_seconds(0.5 * settings.machine.sample_time),
+            truth: [(simulator.opening(), [0.0; CYLINDERS]); 2],
+        };
+        let mut running = Running { simulator, monitor: Monitor::new(design), listener };
+        for _ in 0..self.cycles(LEAD) {
+            running.step();
+        }
+        Ok(running)
+    }
+
+    fn placed_outages(
+        &self,
+        group: &LastGroup,
+        outage: Outage,
+        drawn: &Drawn,
+    ) -> Result<Vec<Placed>, StandError> {
+        let Some(shape) = outage.shape() else { return Ok(Vec::new()) };
+        let wanted = |leg: &Leg| signed(Wanted::Shape(shape), leg.signs[0]);
+        let place = |leg| self.placed_at(group, leg, leg.pair.other, (wanted(leg), leg.outage));
+        drawn.legs.iter().map(place).collect()
+    }
+
+    fn placed_at(
+        &self,
+        group: &LastGroup,
+        leg: &Leg,
+        transducer: Suspect,
+        (wanted, at): (Wanted, f64),
+    ) -> Result<Placed, StandError> {
+        let window = Window { from: Span::from_seconds(at), until: None };
+        let fault =
+            Fault { cylinder: leg.pair.cylinder, sensor: transducer.name(), wanted, window };
+        Ok(place(&fault, self.of_group(group)?.0, self.database)?)
+    }
+
+    /// Lets the machine that is `ready` have that outage and that fault.
+    fn struck(
+        &self,
+        group: &LastGroup,
+        ready: &Running,
+        drawn: &Drawn,
+        (outage, wanted): (Outage, Option<Wanted>),
+    ) -> Result<Vec<LastOutcome>, StandError> {
+        let mut running = ready.clone();
+        let mut faults = self.placed_outages(group, outage, drawn)?;
+        let first = faults.len();
+        if let Some(wanted) = wanted {
+            for leg in &drawn.legs {
+                let wanted = (signed(wanted, leg.signs[1]), leg.at);
+                faults.push(self.placed_at(group, leg, leg.pair.last, wanted)?);
+            }
+        }
+        running.simulator.afflict(&faults, drawn.seed);
+        let begun = running.simulator.opening();
+        let asked = |leg: &Leg| begun.after(Span::from_seconds(leg.at));
+        // The Sync at which the first faulty reading was sampled.
+        let mut onsets: Vec<Option<Timestamp>> = vec![None; drawn.legs.len()];
+        let latest = drawn.legs.iter().map(|leg| leg.at).fold(0.0, f64::max);
+        for _ in 0..self.cycles(latest + WATCH + 1.0) {
+            let opening = running.simulator.opening();
+            running.step();
+            let tallies = running.simulator.tallies().iter().skip(first);
+            for (onset, tally) in onsets.iter_mut().zip(tallies) {
+                if tally.altered > 0 {
+                    onset.get_or_insert(opening);
+                }
+            }
+        }
+        running.monitor.finish(&mut running.listener);
+        let sample_time = self.settings.machine.sample_time;
+        let outcome = |(leg, onset): (&Leg, Option<Timestamp>)| {
+            let Listener { warnings, incidents, wrong, .. } = &running.listener;
+            let wrong = &wrong[usize::from(leg.pair.cylinder) - 1];
+            let heard = Heard { warnings, incidents, wrong };
+            LastOutcome::read(heard, leg.pair, onset.unwrap_or(asked(leg)), sample_time)
+        };
+        Ok(drawn.legs.iter().zip(onsets).map(outcome).collect())
+    }
+}

@@ -1,0 +1,335 @@
+//! The last transducer of a cylinder: the other one is out, or there is none.
+//!
+//! Nothing is left to compare it with but its own observer (thesis, section 5-7), so that observer alone names it. An
+//! observer follows a step within a few samples and is quiet then, which is no evidence that the reading is right again.
+//! A displacement of the last transducer is therefore latched, until the other one is back and agrees with it, or until
+//! it reads on the mechanical stop what it read there before.
+//!
+//! The observer is evidence only in the motion in which it was quiet before. A controller that follows a faulty C1, or
+//! a rod that it drives to its end, makes the observer of a sound C2 disagree, too.
+
+mod displacement;
+mod usual;
+
+use super::{Cylinder, Evaluation, TRANSDUCERS};
+use crate::alarm::Finding;
+use crate::alarm::detector::WarningPlace;
+use crate::observe::observer::Measurement;
+use crate::sample::Quality;
+use crate::sample::plausibility::NOWHERE;
+use crate::state::whole;
+use crate::time;
+use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
+use displacement::{Latch, Limits, Watched};
+use usual::{Motion, Usual};
+
+/// Names of the two transducers.
+const NAMES: [Suspect; 2] = [Suspect::C1, Suspect::C2];
+
+/// Detectors of a difference that stands: what they blame is out. An observer alone is not asked, since it is raised for
+/// a second by noise, too.
+const STANDING: [WarningPlace; 2] = [WarningPlace::Fde3, WarningPlace::Sequential];
+
+/// Reading on the mechanical stop.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rest {
+    /// Sum of the readings of this stay, m, and their number.
+    sum: f64,
+    count: u32,
+    /// Mean of the last stay in which nothing was found, m.
+    healthy: Option<f64>,
+}
+
+whole! { Rest { sum, count, healthy } }
+
+/// Supervision of the last transducer of one cylinder.
+#[derive(Clone, Copy, Debug)]
+pub struct LastOne {
+    of: [Watched; 2],
+    rests: [Rest; 2],
+    usual: Usual,
+}
+
+whole! { LastOne { of, rests, usual } }
+
+impl Default for LastOne {
+    fn default() -> Self {
+        let nothing = Motion::NONE;
+        let usual = Usual { range: nothing, tried: nothing, newest: 0.0, calm: 0, unusual: 0 };
+        Self { of: Default::default(), rests: Default::default(), usual }
+    }
+}
+
+impl LastOne {
+    /// Lowest and highest length while nothing was found, m.
+    #[inline]
+    pub const fn been(&self) -> [f64; 2] {
+        self.usual.range.been
+    }
+
+    /// Whether transducer `i` is latched.
+    pub const fn is_latched(&self, i: usize) -> bool {
+        self.of[i].latch.is_some()
+    }
+
+    /// Whether either is latched.
+    #[inline]
+    pub const fn any_latched(&self) -> bool {
+        self.is_latched(0) || self.is_latched(1)
+    }
+
+    /// Whether the finding of the observer of transducer `i` is that transducer's own.
+    pub const fn names(&self, i: usize) -> bool {
+        self.of[i].is_named || self.is_latched(i)
+    }
+
+    /// Whether transducer `i` is named, but its displacement is not confirmed: it may be a single wild sample.
+    pub const fn is_tentative(&self, i: usize) -> bool {
+        self.of[i].is_named && !self.is_latched(i)
+    }
+
+    /// Forgets what the next cycle had to confirm, after a time of which nothing is known. What is latched stands.
+    pub fn interrupt(&mut self) {
+        for watched in &mut self.of {
+            (watched.tried, watched.aftermath, watched.beyond) = (None, 0, 0);
+        }
+        for rest in &mut self.rests {
+            (rest.sum, rest.count) = (0.0, 0);
+        }
+    }
+
+    /// Takes a cycle in which nothing was found.
+    fn forget(&mut self) {
+        self.of = self.of.map(|it| Watched { power: it.power, ..Watched::default() });
+    }
+
+    /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`.
+    #[inline]
+    fn measure(&mut self, i: usize, residual: Option<f64>, most: f64) {
+        let Some(residual) = residual else { return };
+        let (counted, power) = (residual.abs().min(most), &mut self.of[i].power);
+        *power += FADING * (counted * counted - *power);
+    }
+
+    /// Ends the latches, because there is evidence that the readings are right.
+    fn release(&mut self) {
+        for watched in &mut self.of {
+            (watched.latch, watched.is_named) = (None, false);
+        }
+    }
+}
+
+impl Cylinder {
+    /// Supervises the last transducer in a cycle, after all detectors have judged it.
+    #[inline]
+    pub(super) fn judge_last(
+        &mut self,
+        now: Evaluation,
+        residuals: &Residuals,
+        good: [Option<Measurement>; 2],
+        command: Option<f64>,
+    ) {
+        if self.finds_anything() {
+            self.doubt_last(residuals, good);
+            self.try_motion(residuals, good, command);
+            let most = MOST * self.design.bank.observer.high;
+            let beside = [0, 1].map(|i| !self.is_last(i));
+            for i in (0..2).filter(|i| beside[*i]) {
+                self.last.measure(i, residuals.r[i], most);
+            }
+        } else if let Some(reading) = good[0].or(good[1]) {
+            if self.last.of[0].out | self.last.of[1].out != 0 {
+                self.last.forget();
+            }
+            self.last.usual.extend(reading.position, command);
+            let most = MOST * self.design.bank.observer.high;
+            (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most));
+        }
+        if now.at_stop {
+            self.rest_last(good);
+        } else if self.last.rests[0].count | self.last.rests[1].count != 0 {
+            self.leave_stop();
+        }
+    }
+
+    #[cold]
+    fn doubt_last(&mut self, residuals: &Residuals, good: [Option<Measurement>; 2]) {
+        let findings = self.findings();
+        let blamed = |i: usize| {
+            let names = |place: WarningPlace| {
+                findings[place as usize].is_some_and(|it: Finding| it.suspect == NAMES[i])
+            };
+            STANDING.into_iter().any(names)
+        };
+        for i in 0..2 {
+            let is_out = self.implausible[i].raised() || self.last.is_latched(i) || blamed(i);
+            let watched = &mut self.last.of[i];
+            watched.out = if is_out { watched.out.saturating_add(1) } else { 0 };
+        }
+        for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
+            if self.has(transducer) {
+                self.judge_alone(i, residuals, good);
+            }
+        }
+        self.release_last();
+    }
+
+    /// Whether transducer `i` has been the last one since before what is found now.
+    fn is_last(&self, i: usize) -> bool {
+        !self.has(TRANSDUCERS[1 - i]) || self.last.of[1 - i].out > self.design.coincidence
+    }
+
+    fn judge_alone(&mut self, i: usize, residuals: &Residuals, good: [Option<Measurement>; 2]) {
+        let residual = residuals.r[i];
+        let found = self.bank.detections()[i];
+        let is_evidence = self.is_last(i)
+            && self.last.usual.unusual == 0
+            && !self.is_elsewhere(residuals, good)
+            && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
+        let parameters = self.design.bank.parameters;
+        let high = self.design.bank.observer.high;
+        let observer = &self.design.observers[i];
+        // On a machine that the model fits badly a threshold alone is no evidence.
+        let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
+        let limits = Limits {
+            least: (parameters.last * high).max(usual),
+            noise: parameters.last_noise,
+            gain: observer.l[(0, 0)],
+            aftermath: 2 * observer.recovery(),
+            confirm: time::samples(parameters.confirmed, self.design.bank.sample_time),
+        };
+        let watched = &mut self.last.of[i];
+        let exceeds = residual.is_some_and(|it| it.abs() > high.max(usual / parameters.last));
+        watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
+        // The cycle after a displacement is judged by what is left of it, whatever the controller makes of it.
+        if !is_evidence && watched.tried.is_none() {
+            watched.beyond = 0;
+            return;
+        }
+        let confirmed = watched.confirm(residual, &limits);
+        if watched.latch.is_none() {
+            let fault = found.map_or(Fault::Unclassified, |found| found.fault);
+            watched.latch = confirmed.map(|residual| Latch { fault, residual });
+        } else if let (Some(latch), Some(found)) = (&mut watched.latch, found) {
+            latch.fault = found.fault;
+        }
+    }
+
+    /// Follows in which motion the observer of the last transducer is quiet.
+    fn try_motion(
+        &mut self,
+        residuals: &Residuals,
+        good: [Option<Measurement>; 2],
+        command: Option<f64>,
+    ) {
+        let is_elsewhere = self.is_elsewhere(residuals, good);
+        let detections = self.bank.detections();
+        let is_watched = |i: &usize| self.has(TRANSDUCERS[*i]) && self.is_last(*i);
+        let last = (0..2).find(|i| is_watched(i) && good[*i].is_some());
+        let is_quiet = last.is_some_and(|i| detections[i].is_none() && residuals.r[i].is_some())
+            && !self.last.any_latched();
+        let length = last.and_then(|i| good[i]).map(|it| it.position);
+        let settle = self.design.observers[0].settle;
+        let usual = &mut self.last.usual;
+        let motion = usual.motion(length.unwrap_or_default(), command);
+        let motion = Motion { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
+        usual.try_out(&motion, is_elsewhere, is_quiet, settle);
+    }
+
+    /// Whether the rod is expected where it was not while nothing was found, such as on a stop, which is no fault of a
+    /// reading.
+    fn is_elsewhere(&self, residuals: &Residuals, good: [Option<Measurement>; 2]) -> bool {
+        let [lowest, highest] = self.last.been();
+        let (least, most) = self.design.limits[0].lengths;
+        let (half, end) = (0.5 * (highest - lowest), STOP * (most - least));
+        let lowest = (lowest - half).max(least + end).min(lowest - NEAR);
+        let highest = (highest + half).min(most - end).max(highest + NEAR);
+        let is_beyond = |i: usize| {
+            let expected = good[i].map(|it| it.position - residuals.r[i].unwrap_or_default());
+            let place = expected.map(|it| match i {
+                0 => it,
+                _ => self.design.comparator.corrected(it),
+            });
+            place.is_some_and(|it| !(lowest..=highest).contains(&it))
+        };
+        (0..2).any(|i| self.is_last(i) && !self.last.is_latched(i) && is_beyond(i))
+    }
+
+    /// Ends the latch when the other transducer is back, and both agree.
+    fn release_last(&mut self) {
+        let is_back = |i: usize| {
+            self.has(TRANSDUCERS[i])
+                && !self.implausible[i].raised()
+                && self.plausibility[i].quality() == Quality::Good
+        };
+        let agree = self.bank.verdicts()[2] == Verdict::Healthy;
+        let differ = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
+        if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {
+            self.last.release();
+        }
+    }
+
+    /// Takes the readings on the mechanical stop.
+    #[cold]
+    fn rest_last(&mut self, good: [Option<Measurement>; 2]) {
+        for (rest, reading) in self.last.rests.iter_mut().zip(good) {
+            let Some(reading) = reading else { continue };
+            rest.sum += reading.position;
+            rest.count = rest.count.saturating_add(1);
+        }
+        let agrees = |i: usize| {
+            let Rest { sum, count, healthy } = self.last.rests[i];
+            let mean = sum / f64::from(count.max(1));
+            let enough = count >= self.design.observers[i].settle.max(1);
+            enough && healthy.is_some_and(|it| (it - mean).abs() <= self.design.bank.observer.high)
+        };
+        let latched = |i: usize| self.last.is_latched(i);
+        if self.last.any_latched() && (0..2).all(|i| !latched(i) || agrees(i)) {
+            self.last.release();
+        }
+    }
+
+    /// Keeps what was read on the stop that the rod has left, if nothing was found.
+    #[cold]
+    fn leave_stop(&mut self) {
+        let is_healthy = !self.finds_anything();
+        for rest in &mut self.last.rests {
+            if is_healthy && rest.count > 0 {
+                rest.healthy = Some(rest.sum / f64::from(rest.count));
+            }
+            (rest.sum, rest.count) = (0.0, 0);
+        }
+    }
+
+    /// The finding of the observer of transducer `i`, where that is the last one.
+    pub(super) fn last_finding(&self, i: usize, found: Option<Detection>) -> Option<Finding> {
+        let Some(latch) = self.last.of[i].latch else {
+            let found = found.filter(|_| self.last.names(i))?;
+            return Some(self.observer_finding(Detection { suspect: NAMES[i], ..found }));
+        };
+        let found = found.unwrap_or(Detection {
+            fault: latch.fault,
+            suspect: NAMES[i],
+            residual: latch.residual,
+            threshold: self.design.bank.observer.high,
+        });
+        let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
+        Some(Finding { level: self.design.levels.both, ..finding })
+    }
+}
+
+/// A rod that moves so far beyond where it has been, m, is not on a stop, and by half of the way that it has been, unless
+/// it comes near an end of its stroke: each high wave goes further than the one before.
+const NEAR: f64 = 0.1;
+
+/// Part of the stroke at either end in which a stop may hold the rod.
+const STOP: f64 = 0.1;
+
+/// So many standard deviations of the innovations in health are well above them.
+const WELL_ABOVE: f64 = 8.0;
+
+/// Share of the newest innovation in their mean square: a minute at 50 Hz.
+const FADING: f64 = 1.0 / 3000.0;
+
+/// An innovation counts in it as no more than this many δ_h: a fault is not what is usual.
+const MOST: f64 = 4.0;

@@ -1,0 +1,98 @@
+//! From innovations of the last transducer to a displacement of it.
+
+use crate::state::whole;
+use crate::verdict::Fault;
+
+/// A displacement of the last transducer, found once and not refuted since.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Latch {
+    pub fault: Fault,
+    /// Innovation that showed it, m, signed.
+    pub residual: f64,
+}
+
+whole! { Latch { fault, residual } }
+
+/// An innovation that may be a displacement.
+#[derive(Clone, Copy, Debug)]
+pub struct Tried {
+    /// m, signed.
+    pub first: f64,
+    /// Innovations since.
+    pub age: u32,
+}
+
+whole! { Tried { first, age } }
+
+/// What is known of one transducer as the last one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watched {
+    /// Cycles for which it has been out itself.
+    pub out: u32,
+    /// Mean square of its innovations while it was not the last one, m².
+    pub power: f64,
+    /// Whether the present finding of its observer is its own.
+    pub is_named: bool,
+    /// A displacement that the next innovations have to confirm.
+    pub tried: Option<Tried>,
+    /// Cycles in which the innovations are what is left of a wild sample.
+    pub aftermath: u32,
+    /// Newest innovations beyond the limit, one bit each.
+    pub beyond: u64,
+    pub latch: Option<Latch>,
+}
+
+whole! { Watched { out, power, is_named, tried, aftermath, beyond, latch } }
+
+/// What an innovation of the last transducer is compared with.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Innovation from which on it is a displacement, m.
+    pub least: f64,
+    /// Number of those of the newest 64 that are noise.
+    pub noise: u32,
+    /// Gain of the observer's predicted length.
+    pub gain: f64,
+    /// Cycles for which a wild sample is in the innovations.
+    pub aftermath: u32,
+    /// Innovations after the first that confirm a displacement.
+    pub confirm: u32,
+}
+
+/// Part of a displacement that has to be there in the next cycle, too.
+const CONFIRMED: f64 = 0.5;
+
+/// Part of a displacement that an innovation against it takes back; that of an observer which overshoots comes at once.
+const RETURNED: f64 = 0.6;
+
+impl Watched {
+    /// Takes an innovation of the last transducer, m. Returns a displacement that is confirmed.
+    ///
+    /// After a step of s the next innovation is (1 − gain) s, and after a single wild sample −gain s: what is left of s is
+    /// their sum. Two wild samples side by side come back in the one after. Noise comes back, too, but goes on.
+    pub fn confirm(&mut self, residual: Option<f64>, limits: &Limits) -> Option<f64> {
+        self.aftermath = self.aftermath.saturating_sub(1);
+        let before = self.tried.take();
+        let Some(residual) = residual else {
+            // It was displaced, and did not come again.
+            return before.map(|tried| tried.first);
+        };
+        let is_beyond = residual.abs() > limits.least;
+        self.beyond = self.beyond << 1 | u64::from(is_beyond);
+        if let Some(Tried { first, age }) = before {
+            let part = residual / first;
+            let stays = if age == 0 { part + limits.gain > CONFIRMED } else { part > -RETURNED };
+            if stays && age + 1 >= limits.confirm {
+                return Some(first);
+            }
+            self.tried = stays.then_some(Tried { first, age: age + 1 });
+            self.aftermath = if stays { self.aftermath } else { limits.aftermath };
+        } else if is_beyond && self.aftermath == 0 {
+            self.tried = Some(Tried { first: residual, age: 0 });
+        } else if is_beyond {
+            // Another wild sample shortly after the first: its own aftermath has begun.
+            self.aftermath = limits.aftermath;
+        }
+        (is_beyond && self.beyond.count_ones() >= limits.noise).then_some(residual)
+    }
+}

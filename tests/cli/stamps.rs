@@ -1,0 +1,65 @@
+//! Time stamps that cannot be those of the frames.
+
+use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recorded, replay, seconds, tertius};
+
+/// Eight seconds of a hanging load.
+fn hanging_load() -> String {
+    recorded("hanging-load.log.gz").split_inclusive('\n').take(800).collect()
+}
+
+/// The same lines with other time stamps, by the number of the line.
+fn stamped(log: &str, stamp: impl Fn(usize, &str) -> String) -> String {
+    let line = |(n, line): (usize, &str)| {
+        let (_, rest) = line.split_once(") ").expect("a candump line");
+        format!("({}) {rest}\n", stamp(n, line))
+    };
+    log.lines().enumerate().map(line).collect()
+}
+
+/// Nothing was judged for the reason that is told, and nothing looks as if all were well.
+#[track_caller]
+fn is_unjudged(log: &str, words: &[&str]) {
+    let page = tertius(&["replay", log, "--config", HANGING_LOAD], b"").failed(1, words).stdout;
+    assert!(page.contains("NOTHING WAS JUDGED"), "{page}");
+    assert!(!page.contains("No incident"), "{page}");
+    let Run { code, stdout, .. } = replay(&[log], HANGING_LOAD, &[]);
+    let last: serde_json::Value =
+        serde_json::from_str(stdout.lines().last().expect("a summary")).expect("JSON");
+    assert_eq!((code, &last["judged"]), (Some(1), &false.into()));
+}
+
+#[test]
+fn a_recording_without_time_stamps_says_nothing_about_the_machine() {
+    let scratch = Scratch::new();
+    let log = hanging_load();
+    replay(&[&scratch.write("right.log", &log)], HANGING_LOAD, &[]).ok();
+    for stamp in ["0000000000.000000", "1700000000.000000"] {
+        let alike = scratch.write("alike.log", stamped(&log, |_, _| stamp.to_owned()));
+        is_unjudged(&alike, &["every frame has the same time stamp", "record without -H"]);
+    }
+}
+
+#[test]
+fn time_stamps_since_the_frame_before_are_told_and_read_on_request() {
+    let scratch = Scratch::new();
+    let log = hanging_load();
+    let times: Vec<f64> = log.lines().map(seconds).collect();
+    let delta = |n: usize, _: &str| {
+        let step = if n == 0 { 0.0 } else { times[n] - times[n - 1] };
+        format!("{step:017.6}")
+    };
+    let deltas = scratch.write("deltas.log", stamped(&log, delta));
+    is_unjudged(&deltas, &["an earlier time stamp than a frame ahead", "--time-stamps delta"]);
+    let read = replay(&[&deltas], HANGING_LOAD, &["--time-stamps", "delta"]).ok();
+    let right = replay(&[&scratch.write("right.log", &log)], HANGING_LOAD, &[]).ok();
+    assert_eq!(read.summary()["cycles"], right.summary()["cycles"]);
+    assert_eq!(read.incidents().len(), right.incidents().len());
+}
+
+/// Whatever the reason: too few cycles for an observer are no sign of health.
+#[test]
+fn a_recording_in_which_no_observer_judged_is_not_judged() {
+    let scratch = Scratch::new();
+    let log: String = hanging_load().split_inclusive('\n').take(60).collect();
+    is_unjudged(&scratch.write("short.log", log), &["too few for the observers to settle"]);
+}
