@@ -39,7 +39,7 @@ pub fn unusable(
     if is_short && counts.used >= FRAMES && counts.backwards >= counts.used / BACKWARDS {
         return Some(format!(
             "{} of {} have an earlier time stamp than a frame ahead of them, as where each counts from the frame before: \
-             replay with --time-stamps delta",
+             record with absolute time stamps (candump -L)",
             counts.backwards,
             counted(counts.used, "frame"),
         ));

@@ -275,7 +275,7 @@ fn estimates_that_do_not_fit_their_message() {
     let fine = " SG_ Sigma : 48|16@1+ (0.000001,0) [0|0.065535]";
     let finer = " SG_ Sigma : 48|16@1+ (0.00000005,0) [0|0]";
     let config = estimating(&scratch, "[-1.5, 1.5]", fine, finer);
-    let words = ["line 178 of the DBC: Fd_Estimate.Sigma reaches to 0.003277 m", "is 0.005"];
+    let words = ["line 179 of the DBC: Fd_Estimate.Sigma reaches to 0.003277 m", "is 0.005"];
     check(&config).failed(2, &words);
 
     for (from, to, words) in [
@@ -294,7 +294,7 @@ fn estimates_that_do_not_fit_their_message() {
             "39|16@0+ (0.0001",
             "line 178 of the DBC: Fd_Estimate.Position is not",
         ),
-        ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 178 of the DBC: Fd_Estimate.Sigma is not"),
+        ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 179 of the DBC: Fd_Estimate.Sigma is not"),
         ("BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 9", "has 9 bytes, expected 8"),
     ] {
         let config = estimating(&scratch, "[-1.5, 1.5]", from, to);

@@ -40,7 +40,7 @@ fn a_recording_without_time_stamps_says_nothing_about_the_machine() {
 }
 
 #[test]
-fn time_stamps_since_the_frame_before_are_told_and_read_on_request() {
+fn time_stamps_since_the_frame_before_are_told() {
     let scratch = Scratch::new();
     let log = hanging_load();
     let times: Vec<f64> = log.lines().map(seconds).collect();
@@ -49,11 +49,7 @@ fn time_stamps_since_the_frame_before_are_told_and_read_on_request() {
         format!("{step:017.6}")
     };
     let deltas = scratch.write("deltas.log", stamped(&log, delta));
-    is_unjudged(&deltas, &["an earlier time stamp than a frame ahead", "--time-stamps delta"]);
-    let read = replay(&[&deltas], HANGING_LOAD, &["--time-stamps", "delta"]).ok();
-    let right = replay(&[&scratch.write("right.log", &log)], HANGING_LOAD, &[]).ok();
-    assert_eq!(read.summary()["cycles"], right.summary()["cycles"]);
-    assert_eq!(read.incidents().len(), right.incidents().len());
+    is_unjudged(&deltas, &["an earlier time stamp than a frame ahead", "absolute time stamps"]);
 }
 
 /// Whatever the reason: too few cycles for an observer are no sign of health.

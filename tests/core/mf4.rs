@@ -186,8 +186,9 @@ fn groups_that_were_written_in_turn_are_read_in_the_order_of_time() {
     // What is lost behind a damaged record is told once, and not by each reader.
     let form = Form { stored: Stored::Block, variable: false, unfinished: 0x25, ..Form::default() };
     let bytes = file(form, &[data, remotes].concat());
-    let (found, statistics) = read(&bytes[..bytes.len() - 3]);
-    assert_eq!((found.len(), statistics.bad_lines), (frames.len() - 1, 1));
+    let (found, statistics) = read(&bytes[..bytes.len() - 12]);
+    assert!(found.len() < frames.len(), "{}", found.len());
+    assert_eq!(statistics.bad_lines, 1);
 }
 
 #[test]

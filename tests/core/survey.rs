@@ -177,7 +177,7 @@ fn the_command_at_which_a_cylinder_rests_is_taken_off() {
     // Before it counts as frozen, its observer expects it to move.
     assert!(moving.record(4, 1).residuals[0].expect("there is a reading").abs() > 1e-5);
     let either_way = |k: i64| {
-        let command = if k % 50 < 25 { 500 } else { -500 };
+        let command = if k % 80 < 40 { 500 } else { -500 };
         Cycle { command, ..Cycle::new(k) }.frames()
     };
     let (mut monitor, mut seen) = (machine::monitor(), Collected::default());

@@ -241,7 +241,7 @@ impl CycleClock {
     }
 
     /// Takes a command at `at` that finds no cycle; returns whether cycles are missing from here on, since the first one has
-    /// not opened for [`ABSENT`] sample times.
+    /// not opened for four sample times.
     pub fn wait(&mut self, at: Timestamp) -> bool {
         let awaited = *self.awaited.get_or_insert(at);
         let patience = self.timing.sample_time.as_nanos().saturating_mul(ABSENT.into());

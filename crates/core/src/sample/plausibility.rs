@@ -9,7 +9,7 @@ use super::quality::Quality;
 use super::reading::Reading;
 use crate::state::{choice, state, whole};
 use alloc::vec::Vec;
-use drive::Drive;
+use drive::CommandWay;
 
 /// Limits of plausible readings.
 #[derive(Clone, Debug)]
@@ -184,7 +184,7 @@ pub struct Plausibility {
     still: Stillness,
     /// Stillness since the reading changed and the command moves.
     held: Stillness,
-    drive: Drive,
+    drive: CommandWay,
     quality: Quality,
 }
 
@@ -204,7 +204,7 @@ impl Plausibility {
             last: None,
             still: Stillness::default(),
             held: Stillness::default(),
-            drive: Drive::default(),
+            drive: CommandWay::default(),
             quality: Quality::default(),
         }
     }
@@ -327,7 +327,7 @@ impl Plausibility {
         if same {
             self.drive.go_on(position, &moment, self.limits.driven);
         } else if self.drive.cycles > 0 {
-            self.drive = Drive::default();
+            self.drive = CommandWay::default();
         }
     }
 
@@ -346,7 +346,7 @@ impl Plausibility {
     /// no other transducer is a witness. A stop holds the rod against one direction only, and not where it has been beyond.
     fn is_left_behind(&self) -> bool {
         let PlausibilityLimits { frozen, driven, .. } = self.limits;
-        let (Drive { cycles, ways, is_free, .. }, still) = (self.drive, self.still);
+        let (CommandWay { cycles, ways, is_free, .. }, still) = (self.drive, self.still);
         // A reading that changes and yet goes nowhere is that of a rod at rest, as long as it comes.
         let is_at_rest = still.stirred && still.unseen <= frozen;
         if is_at_rest || cycles < frozen.saturating_mul(UNWITNESSED) {

@@ -32,7 +32,7 @@ pub enum Outage {
     /// No frame of it arrives.
     Lost,
     Frozen,
-    /// It is off by [`OFF`].
+    /// It is off by 10 mm.
     Stepped,
     /// The cylinder has no C2.
     Absent,

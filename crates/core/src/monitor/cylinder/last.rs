@@ -20,8 +20,8 @@ use crate::sample::plausibility::NOWHERE;
 use crate::state::whole;
 use crate::time;
 use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
-use displacement::{Latch, Limits, Watched};
-use usual::{Motion, Usual};
+use displacement::{CONFIRMED, Latch, Limits, Watched};
+use usual::{MotionRange, UsualMotion};
 
 /// Names of the two transducers.
 const NAMES: [Suspect; 2] = [Suspect::C1, Suspect::C2];
@@ -47,16 +47,19 @@ whole! { Rest { sum, count, healthy } }
 pub struct LastOne {
     of: [Watched; 2],
     rests: [Rest; 2],
-    usual: Usual,
+    usual: UsualMotion,
+    /// R3 of the cycle before, m.
+    difference: Option<f64>,
 }
 
-whole! { LastOne { of, rests, usual } }
+whole! { LastOne { of, rests, usual, difference } }
 
 impl Default for LastOne {
     fn default() -> Self {
-        let nothing = Motion::NONE;
-        let usual = Usual { range: nothing, tried: nothing, newest: 0.0, calm: 0, unusual: 0 };
-        Self { of: Default::default(), rests: Default::default(), usual }
+        let nothing = MotionRange::NONE;
+        let usual =
+            UsualMotion { range: nothing, tried: nothing, newest: 0.0, calm: 0, unusual: 0 };
+        Self { of: Default::default(), rests: Default::default(), usual, difference: None }
     }
 }
 
@@ -145,6 +148,7 @@ impl Cylinder {
             let most = MOST * self.design.bank.observer.high;
             (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most));
         }
+        self.last.difference = residuals.r[2];
         if now.at_stop {
             self.rest_last(good);
         } else if self.last.rests[0].count | self.last.rests[1].count != 0 {
@@ -185,6 +189,7 @@ impl Cylinder {
         let is_evidence = self.is_last(i)
             && self.last.usual.unusual == 0
             && !self.is_elsewhere(residuals, good)
+            && self.is_seen_by_difference(i, residuals)
             && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
         let parameters = self.design.bank.parameters;
         let high = self.design.bank.observer.high;
@@ -232,8 +237,16 @@ impl Cylinder {
         let settle = self.design.observers[0].settle;
         let usual = &mut self.last.usual;
         let motion = usual.motion(length.unwrap_or_default(), command);
-        let motion = Motion { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
+        let motion = MotionRange { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
         usual.try_out(&motion, is_elsewhere, is_quiet, settle);
+    }
+
+    /// Whether C1 − C2, where it is still known, has jumped as the innovation of transducer `i` says: an error of the model
+    /// is not in it.
+    fn is_seen_by_difference(&self, i: usize, residuals: &Residuals) -> bool {
+        let jump = residuals.r[2].zip(self.last.difference).map(|(now, before)| now - before);
+        let own = residuals.r[i].unwrap_or_default();
+        jump.is_none_or(|jump| jump.abs() >= CONFIRMED * own.abs())
     }
 
     /// Whether the rod is expected where it was not while nothing was found, such as on a stop, which is no fault of a

@@ -6,7 +6,7 @@ use crate::state::whole;
 /// Where the command would have moved the rod while the reading was exactly constant. A command at rest in between, as at
 /// each turn of a sea, does not begin it anew.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Drive {
+pub struct CommandWay {
     /// Number of cycles under a command that moves.
     pub cycles: u32,
     /// Integral of the command, m, and its extremes.
@@ -19,9 +19,9 @@ pub struct Drive {
     pub is_free: [bool; 2],
 }
 
-whole! { Drive { cycles, at, lowest, highest, ways, is_free } }
+whole! { CommandWay { cycles, at, lowest, highest, ways, is_free } }
 
-impl Drive {
+impl CommandWay {
     #[cold]
     pub fn go_on(&mut self, position: f64, moment: &Moment, margin: f64) {
         if moment.push.is_none() {

@@ -60,7 +60,7 @@ pub struct Limits {
 }
 
 /// Part of a displacement that has to be there in the next cycle, too.
-const CONFIRMED: f64 = 0.5;
+pub const CONFIRMED: f64 = 0.5;
 
 /// Part of a displacement that an innovation against it takes back; that of an observer which overshoots comes at once.
 const RETURNED: f64 = 0.6;

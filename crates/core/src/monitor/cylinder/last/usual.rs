@@ -12,7 +12,7 @@ const KNOWN: u32 = 10;
 
 /// A range of motion: lengths and commands.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub struct MotionRange {
     /// Lowest and highest length, m.
     pub been: [f64; 2],
     /// Largest command, m/s.
@@ -21,9 +21,9 @@ pub struct Motion {
     pub change: f64,
 }
 
-whole! { Motion { been, command, change } }
+whole! { MotionRange { been, command, change } }
 
-impl Motion {
+impl MotionRange {
     pub const NONE: Self = Self { been: NOWHERE, command: 0.0, change: 0.0 };
 
     #[inline]
@@ -42,10 +42,10 @@ impl Motion {
 
 /// The motion of the rod in which the observers were quiet.
 #[derive(Clone, Copy, Debug)]
-pub struct Usual {
-    pub range: Motion,
-    /// Motion of which it is not known yet whether they stay quiet in it.
-    pub tried: Motion,
+pub struct UsualMotion {
+    pub range: MotionRange,
+    /// MotionRange of which it is not known yet whether they stay quiet in it.
+    pub tried: MotionRange,
     /// Newest command, m/s.
     pub newest: f64,
     /// Cycles in which nothing was found.
@@ -54,14 +54,14 @@ pub struct Usual {
     pub unusual: u32,
 }
 
-whole! { Usual { range, tried, newest, calm, unusual } }
+whole! { UsualMotion { range, tried, newest, calm, unusual } }
 
-impl Usual {
+impl UsualMotion {
     #[inline]
-    pub fn motion(&mut self, length: f64, command: Option<f64>) -> Motion {
+    pub fn motion(&mut self, length: f64, command: Option<f64>) -> MotionRange {
         let command = command.unwrap_or(self.newest);
         let before = core::mem::replace(&mut self.newest, command);
-        Motion { been: [length; 2], command: command.abs(), change: (command - before).abs() }
+        MotionRange { been: [length; 2], command: command.abs(), change: (command - before).abs() }
     }
 
     /// Takes a cycle in which nothing was found.
@@ -75,15 +75,21 @@ impl Usual {
 
     /// Takes a cycle in which anything was found. Where the observer of the last transducer `is_quiet` for as long as it
     /// takes to `settle`, the motion since is usual, too.
-    pub fn try_out(&mut self, motion: &Motion, is_elsewhere: bool, is_quiet: bool, settle: u32) {
+    pub fn try_out(
+        &mut self,
+        motion: &MotionRange,
+        is_elsewhere: bool,
+        is_quiet: bool,
+        settle: u32,
+    ) {
         let is_new = self.calm < KNOWN.saturating_mul(settle);
         if !is_quiet {
-            self.tried = Motion::NONE;
+            self.tried = MotionRange::NONE;
         } else if self.unusual == 1 {
             // On its way to a stop the rod is quiet, too: places are learnt from a healthy cylinder, if there was one.
             let been = if is_new { self.tried.been } else { self.range.been };
-            self.range.include(&Motion { been, ..self.tried });
-            self.tried = Motion::NONE;
+            self.range.include(&MotionRange { been, ..self.tried });
+            self.tried = MotionRange::NONE;
         }
         let is_unusual = is_elsewhere || motion.exceeds(&self.range);
         if is_quiet {
