@@ -3,12 +3,14 @@
 //! Every output for people takes its words from here, so that they cannot disagree.
 
 mod evidence;
+mod machine;
 
 pub use evidence::evidence;
+pub use machine::{in_common, numbers, of_machine};
 
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
-use crate::incident::{Ending, Incident};
+use crate::incident::{Ending, Incident, Scope};
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
@@ -34,6 +36,7 @@ pub fn kind(incident: &Incident) -> String {
         (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
         (kind, _) => match process_size(incident) {
             Some(size) => format!("{} ({size})", fault(kind)),
+            None if incident.scope.cylinder().is_none() => in_common(kind).to_owned(),
             None => what(incident.suspect, kind).to_owned(),
         },
     }
@@ -104,18 +107,26 @@ pub fn worst(incident: &Incident) -> String {
     })
 }
 
-/// The incident in a line, without its time: `cylinder 5, C1, black: growing error, 65.8 mm off (limit 50.0 mm)`.
+/// The incident in a line, without its time: `cylinder 5, C1, black: growing error, 65.8 mm off (limit 50.0 mm)`,
+/// `machine (cylinders 1 to 6), black: no messages in time`.
 pub fn line(incident: &Incident) -> String {
     let whom = whom(incident.suspect);
     let worst = worst(incident);
     let separator = if worst.is_empty() { "" } else { ", " };
-    let (cylinder, level, kind) = (incident.cylinder, incident.level.name(), kind(incident));
-    format!("cylinder {cylinder}, {whom}, {level}: {kind}{separator}{worst}")
+    let (level, kind) = (incident.level.name(), kind(incident));
+    let of = match incident.scope {
+        Scope::Cylinder(number) => format!("cylinder {number}, {whom}"),
+        Scope::Machine(cylinders) => of_machine(cylinders),
+    };
+    format!("{of}, {level}: {kind}{separator}{worst}")
 }
 
 /// What a person should do.
 pub fn advice(incident: &Incident) -> String {
     let whom = suspect(incident.suspect);
+    if incident.scope.cylinder().is_none() && incident.fault != Fault::Supply {
+        return machine::ADVICE.to_owned();
+    }
     if incident.part(WarningPlace::PlausibilityOfCommand).is_some() {
         return "Check the controller: without its command the observers cannot judge.".to_owned();
     }

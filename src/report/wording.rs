@@ -57,7 +57,7 @@ pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
     let lasted = story::lasted(incident).unwrap_or_else(over);
     [
         zone.time(incident.begin),
-        incident.cylinder.to_string(),
+        story::numbers(incident.scope.cylinders()),
         story::suspect(incident.suspect).to_owned(),
         incident.level.name().to_owned(),
         story::kind(incident),

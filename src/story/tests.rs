@@ -25,7 +25,7 @@ fn finding(suspect: Suspect, by: Option<Testimony>) -> Finding {
 
 /// The incident of a sequential warning that blames nobody at first and then, after 4 s, `suspect`.
 fn told(suspect: Suspect, by: Testimony) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], Span::from_seconds(0.02));
     let mut newest = None;
     let warnings = [
         (1.0, State::Raised, finding(Suspect::Undecided, None)),

@@ -28,6 +28,7 @@ mod frozen;
 mod hexapod;
 mod inject_properties;
 mod inject_spec;
+mod machine_incidents;
 mod mf4;
 mod mf4_damage;
 mod mf4_writer;

@@ -137,6 +137,8 @@ pub struct Telemetry {
     started: Timestamp,
     totals: Totals,
     cylinders: [Cylinder; MAX_CYLINDERS],
+    /// The incidents of the machine.
+    shared: Incidents,
     /// Number of cylinders that the machine has.
     used: AtomicU8,
     /// Whether a port is open.
@@ -168,6 +170,7 @@ impl Telemetry {
             started: clock.system(),
             totals: Totals::default(),
             cylinders: std::array::from_fn(|_| Cylinder::new()),
+            shared: Incidents::default(),
             used: AtomicU8::new(0),
             open: AtomicBool::new(false),
             mode: State::default(),
@@ -240,7 +243,7 @@ impl Telemetry {
     fn incidents(&self) -> Vec<OpenIncident> {
         let cylinders = (1..).zip(self.cylinders());
         let open = cylinders.flat_map(|(number, cylinder)| cylinder.incidents.open(number));
-        let mut open: Vec<OpenIncident> = open.collect();
+        let mut open: Vec<OpenIncident> = open.chain(self.shared.open(0)).collect();
         let level =
             |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);
         open.sort_by_key(|it| (std::cmp::Reverse(level(it)), it.number));

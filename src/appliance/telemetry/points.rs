@@ -214,6 +214,7 @@ fn of_cylinder(number: usize, now: &CylinderSnapshot) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::incident::Cylinders;
     use crate::appliance::telemetry::OpenSlot;
     use crate::appliance::telemetry::health::Condition;
 
@@ -267,7 +268,14 @@ mod tests {
         for (place, fault) in (0..).zip(Fault::ALL) {
             let begin = Timestamp::from_nanos(5);
             let (level, suspect) = (crate::alarm::Level::Red, Suspect::C2);
-            now.cylinders[0].incident = Some(OpenSlot { number: 7, level, suspect, fault, begin });
+            now.cylinders[0].incident = Some(OpenSlot {
+                number: 7,
+                cylinders: Cylinders::NONE,
+                level,
+                suspect,
+                fault,
+                begin,
+            });
             let points = Points::new(&now);
             let found = |name: &str| {
                 let named = |it: &&Point| it.name == format!("cylinder_1_{name}");

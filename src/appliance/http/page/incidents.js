@@ -96,7 +96,7 @@ function row(entry) {
 function page(it, { folder, recordings: all }) {
   const mm = (value) => (value == null ? "–" : `${number(value * 1e3, 2)} mm`);
   const facts = [
-    ["Cylinder", String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect], ["Level reached", it.level],
+    ["Cylinder", it.cylinder == null ? "the machine" : String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect], ["Level reached", it.level],
     ["Begin", utc(it.begin_s)], ["Onset", utc(it.onset_s)],
     ["End", it.end_s == null ? "it is open" : `${utc(it.end_s)}, ${it.ending}`],
     ["Size", mm(it.size_m)], ["Largest", it.quantity ? `${QUANTITIES[it.quantity] ?? it.quantity} ${mm(it.peak_m)} of ${mm(it.limit_m)}` : "–"],
@@ -108,8 +108,8 @@ function page(it, { folder, recordings: all }) {
     : "there is no recording yet, or it gave way to newer ones";
   const list = (title, rows) => (rows.length ? [element("h3", {}, title), element("ul", {}, ...rows.map((text) => element("li", {}, text)))] : []);
   return [
-    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"), " · ",
-      element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)),
+    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"),
+      ...(it.cylinder == null ? [] : [" · ", element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)])),
     element("h3", {}, it.text),
     element("p", {}, sentence(it.evidence)), element("p", {}, sentence(it.course)), element("p", {}, element("strong", {}, it.advice)),
     element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),

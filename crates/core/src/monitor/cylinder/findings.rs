@@ -5,6 +5,7 @@ use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
 use crate::process::Malfunction;
+use crate::sequential::Sequential;
 use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 impl Cylinder {
@@ -29,13 +30,13 @@ impl Cylinder {
         put(WarningPlace::Fde1, fde1.map(|detection| of_observer(0, detection)));
         put(WarningPlace::Fde2, fde2.map(|detection| of_observer(1, detection)));
         let fde3 = fde3.map(|detection| self.named(detection));
-        put(WarningPlace::Fde3, self.difference_finding(fde3));
+        put(WarningPlace::Fde3, self.difference_finding(fde3).map(|it| self.in_time(it)));
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
-        put(WarningPlace::Sequential, self.sequential_finding());
+        put(WarningPlace::Sequential, self.sequential_finding().map(|it| self.in_time(it)));
         put(WarningPlace::Process, self.process_finding());
-        put(WarningPlace::Hexapod, self.hexapod_finding());
+        put(WarningPlace::Hexapod, self.hexapod_finding().map(|it| self.in_time(it)));
         let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
         if blames(Suspect::C1) && blames(Suspect::C2) {
             for finding in findings.iter_mut().flatten() {
@@ -132,6 +133,17 @@ impl Cylinder {
         self.sequential_finding().filter(|_| by == Some(Testimony::Attitude))
     }
 
+    /// The finding of a difference, of another level where that runs towards the machine's own limit. A gain that is off
+    /// swings with the rod, and runs nowhere.
+    fn in_time(&self, finding: Finding) -> Finding {
+        let is_gain = self.sequential.as_deref().is_some_and(Sequential::is_gain);
+        if is_gain {
+            return finding;
+        }
+        let level = self.approach.urgency().level(&self.design.levels);
+        Finding { level: finding.level.max(level), ..finding }
+    }
+
     fn process_finding(&self) -> Option<Finding> {
         let alarm = self.process.as_ref()?.alarm()?;
         let fault = match alarm.malfunction {
@@ -148,7 +160,7 @@ impl Cylinder {
         Some(Finding {
             fault,
             suspect: Suspect::Process,
-            level: self.level(Suspect::Process),
+            level: self.level(Suspect::Process).max(alarm.urgency.level(&self.design.levels)),
             residual: None,
             threshold: None,
             evidence: Some(Evidence {
