@@ -75,9 +75,10 @@ fn a_supply_that_is_a_tenth_lower_stays_yellow() {
 
 #[test]
 fn readings_that_all_stay_away_are_one_incident_and_no_transducer_s() {
-    let lost = (1..=6).flat_map(|n| ["c1", "c2"].map(|sensor| {
-        format!("loss,cylinder={n},sensor={sensor},at=15,until=16,probability=1")
-    }));
+    let lost = (1..=6).flat_map(|n| {
+        ["c1", "c2"]
+            .map(|sensor| format!("loss,cylinder={n},sensor={sensor},at=15,until=16,probability=1"))
+    });
     let lost: Vec<String> = lost.collect();
     let told = Told::of(&lost.iter().map(String::as_str).collect::<Vec<_>>(), 30.0);
     let [opened] = told.opened()[..] else { panic!("{:?}", told.opened()) };

@@ -214,9 +214,9 @@ fn of_cylinder(number: usize, now: &CylinderSnapshot) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::incident::Cylinders;
     use crate::appliance::telemetry::OpenSlot;
     use crate::appliance::telemetry::health::Condition;
+    use crate::incident::Cylinders;
 
     /// Nothing of a machine that nobody has heard is known, but what the gateway knows of itself.
     #[test]
