@@ -3,12 +3,14 @@
 //! Every output for people takes its words from here, so that they cannot disagree.
 
 mod evidence;
+mod machine;
 
 pub use evidence::evidence;
+pub use machine::{in_common, numbers, of_machine};
 
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
-use crate::incident::{Ending, Incident, Naming, Quantity};
+use crate::incident::{Ending, Incident, Naming, Quantity, Scope};
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
@@ -46,6 +48,7 @@ pub fn kind(incident: &Incident) -> String {
         (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
         (kind, _) => match process_size(incident) {
             Some(size) => format!("{} ({size})", fault(kind)),
+            None if incident.scope.cylinder().is_none() => in_common(kind).to_owned(),
             None => what(incident.suspect, kind).to_owned(),
         },
     }
@@ -140,32 +143,42 @@ pub fn largest(which: Quantity, peak: f64, limit: f64) -> String {
 }
 
 /// The incident in a line, without its time: `cylinder 5, C1, black: growing error, C1 − C2 up to 65.8 mm (limit 50.0
-/// mm)`.
+/// mm)`, `machine (cylinders 1 to 6), black: no messages in time`.
 pub fn line(incident: &Incident) -> String {
-    let Incident { cylinder, suspect, level, begin, named, .. } = *incident;
+    let Incident { scope, suspect, level, begin, named, .. } = *incident;
     let worst = incident
         .worst()
         .map(|(quantity, peak)| largest(quantity, peak.value, incident.limits[quantity as usize]));
-    let whom = whom(suspect, incident.is_alone());
-    line_of((cylinder.into(), whom, level), naming(begin, named), &kind(incident), worst)
+    let of = match scope {
+        Scope::Cylinder(number) => of_cylinder(number.into(), whom(suspect, incident.is_alone())),
+        Scope::Machine(cylinders) => of_machine(cylinders),
+    };
+    line_of((of, level), naming(begin, named), &kind(incident), worst)
 }
 
-/// The line of an incident of a cylinder, with whom it is about and its level, when that was named, what is wrong, and how bad it
-/// got.
+/// Which cylinder an incident is of, and whom it is about: `cylinder 5, C1`.
+pub fn of_cylinder(number: usize, whom: &str) -> String {
+    format!("cylinder {number}, {whom}")
+}
+
+/// The line of an incident: what it is of and its level, when its suspect was named, what is wrong, and how bad it got.
 pub fn line_of(
-    (cylinder, whom, level): (usize, &str, Level),
+    (of, level): (String, Level),
     named: Option<String>,
     kind: &str,
     worst: Option<String>,
 ) -> String {
     let named = named.map_or(String::new(), |named| format!(" ({named})"));
     let worst = worst.map_or(String::new(), |worst| format!(", {worst}"));
-    format!("cylinder {cylinder}, {whom}{named}, {}: {kind}{worst}", level.name())
+    format!("{of}{named}, {}: {kind}{worst}", level.name())
 }
 
 /// What a person should do.
 pub fn advice(incident: &Incident) -> String {
     let whom = suspect(incident.suspect);
+    if incident.scope.cylinder().is_none() && incident.fault != Fault::Supply {
+        return machine::ADVICE.to_owned();
+    }
     if incident.part(WarningPlace::PlausibilityOfCommand).is_some() {
         return "Check the controller: without its command the observers cannot judge.".to_owned();
     }

@@ -10,7 +10,8 @@ pub const KEPT: usize = 200;
 #[derive(Clone, Debug, Default)]
 pub struct Incidents {
     kept: Vec<Incident>,
-    /// Number of incidents of each cylinder, in order.
+    count: u64,
+    /// Number of incidents of each cylinder alone, in order.
     counts: Vec<u64>,
 }
 
@@ -22,11 +23,12 @@ impl Incidents {
             return;
         }
         if incident.progress == Progress::Opened {
-            let index = usize::from(incident.cylinder) - 1;
-            if self.counts.len() <= index {
-                self.counts.resize(index + 1, 0);
+            self.count += 1;
+            if let Some(number) = incident.scope.cylinder() {
+                let number = usize::from(number);
+                self.counts.resize(self.counts.len().max(number), 0);
+                self.counts[number - 1] += 1;
             }
-            self.counts[index] += 1;
         }
         if self.kept.len() < KEPT {
             self.kept.push(*incident);
@@ -39,8 +41,8 @@ impl Incidents {
     }
 
     /// Number of incidents.
-    pub fn count(&self) -> u64 {
-        self.counts.iter().sum()
+    pub const fn count(&self) -> u64 {
+        self.count
     }
 
     /// Number of incidents beyond [`KEPT`].
@@ -60,7 +62,7 @@ impl Incidents {
         self.kept.iter().min_by(|a, b| story::order(a, b))
     }
 
-    /// Number of incidents of the cylinder `n` (from 1).
+    /// Number of incidents of the cylinder `n` (from 1) alone.
     pub fn of_cylinder(&self, n: usize) -> u64 {
         self.counts.get(n - 1).copied().unwrap_or(0)
     }

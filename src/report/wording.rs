@@ -59,7 +59,7 @@ pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
     let lasted = story::lasted(incident).unwrap_or_else(over);
     [
         zone.time(incident.begin),
-        incident.cylinder.to_string(),
+        story::numbers(incident.scope.cylinders()),
         story::suspect_in_time(incident),
         incident.level.name().to_owned(),
         story::kind(incident),

@@ -17,6 +17,10 @@ const COMPARING: [(WarningPlace, Quantity, &str); 3] = [
 /// stayed quiet.
 pub fn evidence(incident: &Incident) -> String {
     let mut clauses = in_time(observed(incident));
+    if incident.scope.cylinder().is_none() {
+        clauses.push("it is what these cylinders share, so no transducer is suspected".to_owned());
+        return clauses.join("; ");
+    }
     clauses.extend(quiet(incident));
     clauses.extend(testimony(incident));
     clauses.push(conclusion(incident));

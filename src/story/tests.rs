@@ -4,6 +4,7 @@ use crate::incident::{Incidents, Progress};
 use crate::verdict::Testimony;
 
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
+const CYCLE: Span = Span::from_nanos(20_000_000);
 
 fn at(seconds: f64) -> Timestamp {
     Timestamp::default().after(Span::from_seconds(seconds))
@@ -25,7 +26,7 @@ fn finding(suspect: Suspect, by: Option<Testimony>) -> Finding {
 
 /// The incident of a sequential warning that blames nobody at first and then, after 4 s, `suspect`.
 fn told(suspect: Suspect, by: Testimony) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
     let mut newest = None;
     let warnings = [
         (1.0, State::Raised, finding(Suspect::Undecided, None)),
@@ -49,7 +50,7 @@ fn told(suspect: Suspect, by: Testimony) -> Incident {
 /// The incident of a warning of FDE1 about a cylinder without C2.
 fn alone(suspect: Suspect, fault: Fault) -> Incident {
     let limits = [1e-3, f64::INFINITY, f64::INFINITY, f64::INFINITY];
-    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3]);
+    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3], CYCLE);
     incidents.take(&Warning {
         timestamp: at(1.0),
         cylinder: 3,
@@ -109,7 +110,7 @@ fn what_the_samples_themselves_say_stays_with_them() {
 
 /// The incident of warnings that each come at their own time.
 fn of(warnings: &[(f64, WarningPlace, Finding)]) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
     let mut end = at(0.0);
     for (seconds, place, finding) in warnings {
         incidents.take(&Warning {
@@ -151,10 +152,39 @@ fn what_spoke_up_is_told_in_the_order_of_time() {
     assert!(evidence(&found_late).starts_with(told), "{}", evidence(&found_late));
 }
 
+/// All frames come too late.
+#[test]
+fn what_the_cylinders_share_is_told_once_and_suspects_no_transducer() {
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2)); 3], CYCLE);
+    for cylinder in 1..=3 {
+        for (place, suspect) in [
+            (WarningPlace::PlausibilityOfC1, Suspect::C1),
+            (WarningPlace::PlausibilityOfC2, Suspect::C2),
+        ] {
+            let stale = Finding { fault: Fault::Stale, evidence: None, ..finding(suspect, None) };
+            incidents.take(&Warning {
+                timestamp: at(1.0),
+                cylinder,
+                detector: Detector::Plausibility,
+                place: place as usize,
+                state: State::Raised,
+                finding: Finding { level: Level::Black, ..stale },
+            });
+        }
+    }
+    let mut told = None;
+    incidents.follow_machine(at(1.0), |it| told = Some(*it));
+    let told = told.expect("it is the machine's");
+    assert_eq!(line(&told), "machine (cylinders 1 to 3), black: no messages in time");
+    let end = "so no transducer is suspected";
+    assert!(evidence(&told).ends_with(end), "{}", evidence(&told));
+    assert!(advice(&told).contains("the Sync"), "{}", advice(&told));
+}
+
 /// That the observers and the difference stayed quiet is what speaks for the hydraulics.
 #[test]
 fn of_a_fault_of_the_hydraulics_it_is_told_what_stayed_quiet() {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
     let leak = Finding { fault: Fault::Leakage, ..finding(Suspect::Process, None) };
     let warning = Warning {
         timestamp: at(1.0),
@@ -198,7 +228,7 @@ fn a_suspect_that_was_named_late_is_told_as_such() {
 #[test]
 fn evidence_tells_why_it_is_not_known_which() {
     let told = |suspect: Suspect, others: Option<f64>| {
-        let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+        let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
         let finding = Finding { evidence: None, ..finding(suspect, None) };
         let (detector, place) = (Detector::Fde1, WarningPlace::Fde1 as usize);
         let (timestamp, state) = (at(1.0), State::Raised);

@@ -50,7 +50,10 @@ pub(super) async fn alarms(State(shared): State<Shared>) -> Response {
 /// Adds what an alarm's worst quantity is now, while its incident is open.
 fn follow(alarm: &mut AlarmEntry, telemetry: &Telemetry, uptime: Duration) {
     let quantity = alarm.quantity.as_deref().filter(|_| alarm.ending.is_none());
-    alarm.now_m = quantity.and_then(|it| telemetry.newest(alarm.cylinder.into(), it, uptime));
+    alarm.now_m = alarm
+        .cylinder
+        .zip(quantity)
+        .and_then(|(number, it)| telemetry.newest(number.into(), it, uptime));
 }
 
 /// What is searched for, as it stands in an address.

@@ -10,8 +10,8 @@ use serde::Serialize;
 pub struct AlarmEntry {
     /// Incident in the store.
     pub incident: i64,
-    /// Cylinder number, counted from 1.
-    pub cylinder: u8,
+    /// Cylinder number, counted from 1; `None` for what is the machine's.
+    pub cylinder: Option<u8>,
     pub begin_s: f64,
     pub end_s: Option<f64>,
     /// How it ended: `returned`, `quiet`, `cut` or `interrupted`; `None` while it is open.
@@ -208,7 +208,7 @@ pub(super) fn alarm_entry(
     let alarm = incident_rows::alarm(row, 12)?;
     Ok(AlarmEntry {
         incident: row.get(0)?,
-        cylinder: row.get(1)?,
+        cylinder: incident_rows::cylinder(row, 1)?,
         begin_s: time(row, 2)?,
         end_s: some_time(row, 3)?,
         ending: row.get(4)?,

@@ -8,6 +8,7 @@ pub use super::entries::{
     ActEntry, AlarmEntry, EventEntry, HourEntry, IncidentFields, IncidentPage, Revision, StopEntry,
     WarningEntry,
 };
+use super::incident_rows::MACHINE;
 use super::query::Filter;
 use super::schema;
 use super::trouble::Trouble;
@@ -198,10 +199,10 @@ impl StoreReader {
             &format!(
                 "SELECT at_ns, detector, state, fault, suspect, level, residual_m, threshold_m,
                      evidence_nats, device FROM warnings
-                 WHERE run = ? AND cylinder = ? AND at_ns BETWEEN ? AND ?
+                 WHERE run = ? AND ? IN (0, cylinder) AND at_ns BETWEEN ? AND ?
                  ORDER BY at_ns, id LIMIT {ROWS}"
             ),
-            params![run, page.alarm.cylinder, begin, end.unwrap_or(i64::MAX)],
+            params![run, page.alarm.cylinder.unwrap_or(MACHINE), begin, end.unwrap_or(i64::MAX)],
             warning_entry,
         )?;
         Ok(Some(page))

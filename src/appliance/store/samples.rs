@@ -2,7 +2,7 @@
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Detector, Finding, Level, State, Warning};
-use crate::incident::{Ending, Excursion, Incident, Naming, Outset, Part, Progress};
+use crate::incident::{Ending, Excursion, Incident, Naming, Outset, Part, Progress, Scope};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
@@ -46,7 +46,7 @@ pub(super) fn incident(number: u32) -> Incident {
     let peak = Excursion { value: 1.2e-3, at: begin };
     Incident {
         number,
-        cylinder: 1 + (number % 6) as u8,
+        scope: Scope::Cylinder(1 + (number % 6) as u8),
         progress: Progress::Opened,
         timestamp: begin,
         begin,

@@ -1,13 +1,15 @@
-//! The incidents of a cylinder that are not closed, in atomics.
+//! The incidents of a cylinder, or of the machine, that are not closed, in atomics.
 
 use super::cell::{Gauge, Total};
 use crate::alarm::Level;
-use crate::incident::{Incident, MOST_AT_ONCE, Naming, Progress, QUANTITIES, Quantity};
+use crate::incident::{
+    Cylinders, Incident, MOST_AT_ONCE, Naming, Progress, QUANTITIES, Quantity, Scope,
+};
 use crate::story;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 use serde::Serialize;
-use std::sync::atomic::{AtomicI64, AtomicU64, Ordering, fence};
+use std::sync::atomic::{AtomicI64, AtomicU8, AtomicU64, Ordering, fence};
 
 /// Most tries to read a place that is being written; further ones would see it half old, as long as a frame takes.
 const TRIES: usize = 8;
@@ -20,7 +22,7 @@ const BY_ITS_END: u64 = 0x80;
 const ALONE: u64 = 0x20;
 const QUANTITY: u64 = 0x1F;
 
-/// The places for the open incidents of one cylinder. One thread writes.
+/// The places for the open incidents of one cylinder, or of the machine. One thread writes.
 #[derive(Debug, Default)]
 pub(super) struct Incidents {
     slots: [Slot; MOST_AT_ONCE],
@@ -32,6 +34,8 @@ pub(super) struct Incidents {
 #[derive(Debug, Default)]
 struct Slot {
     packed: AtomicU64,
+    /// The cylinders of an incident that is the machine's.
+    cylinders: AtomicU8,
     begin: AtomicI64,
     named: AtomicI64,
     /// Largest value of its worst quantity, and the limit of that, m.
@@ -43,6 +47,8 @@ struct Slot {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenSlot {
     pub number: u32,
+    /// The cylinders that an incident of the machine concerns; none of one cylinder's own.
+    pub cylinders: Cylinders,
     pub level: Level,
     pub suspect: Suspect,
     pub fault: Fault,
@@ -70,7 +76,11 @@ pub struct OpenWorst {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct OpenIncident {
     pub number: u32,
-    pub cylinder: usize,
+    /// Its cylinder; `None` for what is the machine's.
+    pub cylinder: Option<usize>,
+    /// The cylinders that an incident of the machine concerns.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cylinders: Vec<u8>,
     pub suspect: &'static str,
     /// Time stamp at which the suspect was named, s; `null` while it is undecided.
     pub named: Option<f64>,
@@ -93,19 +103,38 @@ pub struct OpenIncident {
 }
 
 impl OpenSlot {
+    /// Whether it is the machine's.
+    pub fn is_of_machine(&self) -> bool {
+        self.cylinders != Cylinders::NONE
+    }
+
+    /// The fault in words: `growing error`.
+    pub fn kind(&self) -> &'static str {
+        match self.is_of_machine() {
+            true => story::in_common(self.fault),
+            false => story::what(self.suspect, self.fault),
+        }
+    }
+
     /// In words: `cylinder 5, C1, black: growing error, C1 − C2 up to 65.8 mm (limit 50.0 mm)`.
     pub fn summary(&self, cylinder: usize) -> String {
-        let kind = story::what(self.suspect, self.fault);
+        let of = match self.is_of_machine() {
+            true => story::of_machine(self.cylinders),
+            false => story::of_cylinder(cylinder, story::whom(self.suspect, self.is_alone)),
+        };
         let worst = self.worst.map(|it| story::largest(it.quantity, it.peak, it.limit));
-        let named = story::naming(self.begin, self.named);
-        let whom = story::whom(self.suspect, self.is_alone);
-        story::line_of((cylinder, whom, self.level), named, kind, worst)
+        story::line_of((of, self.level), story::naming(self.begin, self.named), self.kind(), worst)
     }
 }
 
 impl Slot {
     fn write(&self, incident: &Incident) {
         let worst = incident.worst();
+        let cylinders = match incident.scope {
+            Scope::Cylinder(_) => Cylinders::NONE,
+            Scope::Machine(cylinders) => cylinders,
+        };
+        self.cylinders.store(cylinders.bits(), Ordering::Relaxed);
         self.begin.store(incident.begin.as_nanos(), Ordering::Relaxed);
         self.named.store(incident.named.map_or(0, |it| it.at.as_nanos()), Ordering::Relaxed);
         self.peak.set(worst.map(|(_, peak)| peak.value.abs()));
@@ -147,6 +176,7 @@ impl Slot {
         });
         Some(OpenSlot {
             number,
+            cylinders: Cylinders::from_bits(self.cylinders.load(Ordering::Relaxed)),
             level: *Level::ALL.get(byte(16))?,
             suspect: *Suspect::ALL.get(byte(8))?,
             fault: *Fault::ALL.get(byte(0))?,
@@ -155,6 +185,14 @@ impl Slot {
             named: Some(named).filter(|_| marks & NAMED > 0),
             worst,
         })
+    }
+}
+
+impl OpenIncident {
+    /// Whether it concerns the cylinder with this number, from 1.
+    pub fn concerns(&self, cylinder: usize) -> bool {
+        let mut all = self.cylinders.iter().map(|number| usize::from(*number));
+        self.cylinder == Some(cylinder) || all.any(|number| number == cylinder)
     }
 }
 
@@ -187,7 +225,8 @@ impl Incidents {
         self.slots.iter().filter_map(Slot::read)
     }
 
-    /// The open incidents of the cylinder `cylinder`, for people and scripts; `now`: its quantities in the newest cycle.
+    /// The open incidents of the cylinder `cylinder`, or of the machine, for people and scripts; `now`: the quantities of the
+    /// cylinder in the newest cycle.
     pub fn open(
         &self,
         cylinder: usize,
@@ -195,13 +234,14 @@ impl Incidents {
     ) -> impl Iterator<Item = OpenIncident> {
         self.slots().map(move |open| OpenIncident {
             number: open.number,
-            cylinder,
+            cylinder: Some(cylinder).filter(|_| !open.is_of_machine()),
+            cylinders: open.cylinders.numbers().collect(),
             suspect: open.suspect.name(),
             named: open.named.map(|it| it.at.as_seconds()),
             named_by_its_end: open.named.map(|it| it.by_its_end),
             level: open.level.name(),
             fault: open.fault.name(),
-            kind: story::what(open.suspect, open.fault),
+            kind: open.kind(),
             begin: open.begin.as_seconds(),
             quantity: open.worst.map(|it| it.quantity.name()),
             peak_m: open.worst.map(|it| it.peak),

@@ -147,6 +147,8 @@ pub struct Telemetry {
     started: Timestamp,
     totals: Totals,
     cylinders: [Cylinder; MAX_CYLINDERS],
+    /// The incidents of the machine.
+    shared: Incidents,
     /// Number of cylinders that the machine has.
     used: AtomicU8,
     /// Whether a port is open.
@@ -178,6 +180,7 @@ impl Telemetry {
             started: clock.system(),
             totals: Totals::default(),
             cylinders: std::array::from_fn(|_| Cylinder::new()),
+            shared: Incidents::default(),
             used: AtomicU8::new(0),
             open: AtomicBool::new(false),
             mode: State::default(),
@@ -261,7 +264,8 @@ impl Telemetry {
             let quantities = cylinder.quantities().map(|value| value.filter(|_| evidence));
             cylinder.incidents.open(number, quantities)
         });
-        let mut open: Vec<OpenIncident> = open.collect();
+        let shared = self.shared.open(0, [None; QUANTITIES]);
+        let mut open: Vec<OpenIncident> = open.chain(shared).collect();
         let level =
             |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);
         open.sort_by_key(|it| (std::cmp::Reverse(level(it)), it.number));

@@ -217,6 +217,7 @@ mod tests {
     use super::*;
     use crate::appliance::telemetry::OpenSlot;
     use crate::appliance::telemetry::health::Condition;
+    use crate::incident::Cylinders;
 
     /// Nothing of a machine that nobody has heard is known, but what the gateway knows of itself.
     #[test]
@@ -271,6 +272,7 @@ mod tests {
             let (level, suspect) = (crate::alarm::Level::Red, Suspect::C2);
             now.cylinders[0].incident = Some(OpenSlot {
                 number: 7,
+                cylinders: Cylinders::NONE,
                 level,
                 suspect,
                 fault,

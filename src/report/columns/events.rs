@@ -136,7 +136,7 @@ impl TableRow for IncidentRow {
         "t", "s", Number, "the same since the first frame of all", |it| it.since(it.incident.timestamp);
         "incident", "", Count, "number, from 1 in a run", |it| Some(it.incident.number.into());
         "state", "", Text, "opened, revised, closed, standing", |it| word(it.incident.progress.name());
-        "cylinder", "", Count, "from 1", |it| Some(it.incident.cylinder.into());
+        "cylinder", "", Count, "from 1; none for the machine", |it| it.incident.scope.cylinder().map(Into::into);
         "level", "", Text, "the highest that it reached", |it| word(it.incident.level.name());
         "suspect", "", Text, "undecided, c1, c2, process", |it| word(it.incident.suspect.name());
         "named", "ns since 1970, UTC", Time, "when that suspect was first named", |it| it.incident.named.map(|it| it.at);

@@ -2,7 +2,7 @@
 
 use super::{Digits, digits, write_line};
 use crate::alarm::register::DETECTORS;
-use crate::incident::{Incident, Quantity};
+use crate::incident::{Incident, Quantity, Scope};
 use crate::story;
 use crate::time::Timestamp;
 use serde::Serialize;
@@ -16,7 +16,10 @@ struct IncidentLine<'a> {
     timestamp: Digits,
     incident: u32,
     state: &'static str,
-    cylinder: u8,
+    /// `null` for what is the machine's; then `cylinders` has those that it concerns.
+    cylinder: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cylinders: Option<Vec<u8>>,
     level: &'static str,
     suspect: &'static str,
     named: Option<Digits>,
@@ -76,7 +79,11 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
             timestamp: digits(incident.timestamp),
             incident: incident.number,
             state: incident.progress.name(),
-            cylinder: incident.cylinder,
+            cylinder: incident.scope.cylinder(),
+            cylinders: match incident.scope {
+                Scope::Cylinder(_) => None,
+                Scope::Machine(cylinders) => Some(cylinders.numbers().collect()),
+            },
             level: incident.level.name(),
             suspect: incident.suspect.name(),
             named: incident.named.map(|it| since(it.at)),

@@ -58,7 +58,7 @@ pub fn section(
 fn is_of(incident: &Incident, order: usize, summary: &Summary<'_>) -> bool {
     let Some(episode) = summary.episodes.kept().get(order) else { return false };
     let until = incident.end.map(|(at, _)| at);
-    episode.cylinder == incident.cylinder
+    incident.scope.has(episode.cylinder.into())
         && episode.raised >= incident.begin
         && until.is_none_or(|until| episode.raised <= until)
         && story::detectors(incident).contains(&episode.detector)

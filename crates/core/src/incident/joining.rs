@@ -5,6 +5,7 @@
 //! one transducer reaches the other observer through the machine's controller. A fault of the
 //! hydraulics, a command that does not come and readings that have parted are never one incident.
 
+use super::shared::Cause;
 use super::telling::Told;
 use super::{Ending, Incident, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
@@ -34,6 +35,10 @@ const LEFT: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open {
     pub incident: Incident,
+    /// Its place in the order in which incidents begin, over all cylinders.
+    pub order: u32,
+    /// Why it is a part of an incident of the machine, if it is.
+    pub shared: Option<Cause>,
     /// Time of the newest raise or clearing.
     pub newest: Timestamp,
     /// Whether C1 − C2 grew at its begin, where that is known.
@@ -46,13 +51,15 @@ pub(super) struct Open {
     pub told: Option<Told>,
 }
 
-whole! { Open { incident, newest, grew, difference, has_returned, told } }
+whole! { Open { incident, order, shared, newest, grew, difference, has_returned, told } }
 
 impl Open {
-    pub fn new(incident: Incident) -> Self {
+    pub fn new(order: u32, incident: Incident) -> Self {
         Self {
             newest: incident.begin,
             incident,
+            order,
+            shared: None,
             grew: None,
             difference: None,
             has_returned: false,
@@ -148,6 +155,16 @@ impl Open {
         parts.any(|(detector, part)| {
             detector.basis() == Basis::Readings && part.is_some_and(|part| part.stands)
         })
+    }
+
+    /// Whether it was told.
+    pub const fn is_told(&self) -> bool {
+        self.told.is_some()
+    }
+
+    /// How it ended, if no warning stands any more.
+    pub const fn ending(&self) -> Ending {
+        if self.has_returned { Ending::Returned } else { Ending::Quiet }
     }
 
     /// The incident as it is over at `at`.

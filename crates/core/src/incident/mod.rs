@@ -4,10 +4,14 @@
 //! near their thresholds. A person asks what is wrong, since when, how bad it is and how sure that is. An
 //! [`Incident`] answers: it begins with the first warning, takes in those that belong to it (`joining`), ends
 //! when the last of them has cleared and none came after it, and says what all of them together (`fusing`)
-//! mean.
+//! mean. What most cylinders show in one moment, and what is wrong with the supply that they share, is one incident of
+//! the machine (`shared`).
 
 mod fusing;
 mod joining;
+mod parameters;
+mod scope;
+mod shared;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -18,6 +22,8 @@ use crate::alarm::{Finding, Level};
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
+pub use parameters::IncidentParameters;
+pub use scope::{Cylinders, Scope};
 pub use tracker::{Incidents, MOST_AT_ONCE};
 
 /// What happened to an incident.
@@ -155,10 +161,9 @@ whole! { Part { raised, raises, stands, finding, has_cleared } }
 /// What the warnings of a cylinder that have one cause say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
-    /// Number, from 1 in the order of begin, over all cylinders.
+    /// Number, from 1 in the order in which they are told, over all cylinders.
     pub number: u32,
-    /// Cylinder number, counted from 1.
-    pub cylinder: u8,
+    pub scope: Scope,
     pub progress: Progress,
     /// Time of this report.
     pub timestamp: Timestamp,
@@ -194,7 +199,7 @@ pub struct Incident {
 
 whole! {
     Incident {
-        number, cylinder, progress, timestamp, begin, onset, end, suspect, named, fault, gain, size, parted, level,
+        number, scope, progress, timestamp, begin, onset, end, suspect, named, fault, gain, size, parted, level,
         parts, peaks, now, outset, limits,
     }
 }

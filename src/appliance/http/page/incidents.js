@@ -94,7 +94,7 @@ function row(entry) {
 /** The page of one incident. */
 function page(it, { folder, recordings: all }) {
   const facts = [
-    ["Cylinder", String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect],
+    ["Cylinder", it.cylinder == null ? "the machine" : String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect],
     ["Suspect named", it.named_s == null ? "–" : `${utc(it.named_s)}${it.named_by_its_end ? ", when the fault ended" : ""}`], ["Level reached", it.level],
     ["Begin", utc(it.begin_s)], ["Onset", utc(it.onset_s)],
     ["End", it.end_s == null ? "it is open" : `${utc(it.end_s)}, ${it.ending}`],
@@ -108,8 +108,8 @@ function page(it, { folder, recordings: all }) {
     : "there is no recording yet, or it gave way to newer ones";
   const list = (title, rows) => (rows.length ? [element("h3", {}, title), element("ul", {}, ...rows.map((text) => element("li", {}, text)))] : []);
   return [
-    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"), " · ",
-      element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)),
+    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"),
+      ...(it.cylinder == null ? [] : [" · ", element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)])),
     element("h3", {}, it.text),
     element("p", {}, sentence(it.evidence)), element("p", {}, sentence(it.course)), element("p", {}, element("strong", {}, it.advice)),
     element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),

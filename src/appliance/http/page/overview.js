@@ -56,7 +56,7 @@ export class Overview {
 export function incident(it) {
   return element("li", {},
     element("span", { class: `level ${it.level}` }, it.level), " ",
-    element("a", { href: `#trends/${it.cylinder}` }, it.summary), " ",
+    it.cylinder == null ? it.summary : element("a", { href: `#trends/${it.cylinder}` }, it.summary), " ",
     element("span", { class: "quiet" }, `since ${timeOfDay(it.begin)} UTC, incident ${it.number}`,
       element("span", { class: "now" }, now(it))));
 }
