@@ -14,7 +14,7 @@ use tertius::appliance::store::{
 };
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
-use tertius::incident::{Ending, Excursion, Incident, Part, Progress};
+use tertius::incident::{Ending, Excursion, Incident, Outset, Part, Progress, Scope};
 use tertius::monitor::Record;
 use tertius::sample::Quality;
 use tertius::time::{Span, Timestamp};
@@ -61,19 +61,23 @@ fn incident(number: u32) -> Incident {
     parts[WarningPlace::Fde1 as usize] = Some(part);
     Incident {
         number,
-        cylinder: 1 + (number % 6) as u8,
+        scope: Scope::Cylinder(1 + (number % 6) as u8),
         progress: Progress::Opened,
         timestamp: begin,
         begin,
         onset: begin,
         end: None,
         suspect,
+        named: None,
         fault,
         gain: None,
         size: Some(value),
+        parted: None,
         level,
         parts,
         peaks: [Some(Excursion { value, at: begin }), None, None, None],
+        now: [None; 4],
+        outset: Outset::default(),
         limits: [1e-3, 1e-3, 1.5e-3, 0.05],
     }
 }
@@ -81,7 +85,7 @@ fn incident(number: u32) -> Incident {
 fn warning(incident: &Incident, state: State) -> Warning {
     Warning {
         timestamp: incident.timestamp,
-        cylinder: incident.cylinder,
+        cylinder: incident.scope.cylinder().expect("it is of a cylinder"),
         detector: Detector::Fde1,
         place: WarningPlace::Fde1 as usize,
         state,

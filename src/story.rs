@@ -3,17 +3,22 @@
 //! Every output for people takes its words from here, so that they cannot disagree.
 
 mod evidence;
+mod machine;
 
 pub use evidence::evidence;
+pub use machine::{in_common, numbers, of_machine};
 
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
-use crate::incident::{Ending, Incident};
+use crate::incident::{Ending, Incident, Naming, Quantity, Scope};
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
-use std::cmp::Reverse;
+use std::cmp::Ordering;
+
+/// Time after the begin of an incident within which its suspect counts as named at once.
+const AT_ONCE: Span = Span::from_nanos(1_000_000_000);
 
 /// Whom an incident is about, as a short cell: `C1`, `C1 or C2`.
 pub const fn suspect(suspect: Suspect) -> &'static str {
@@ -43,6 +48,7 @@ pub fn kind(incident: &Incident) -> String {
         (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
         (kind, _) => match process_size(incident) {
             Some(size) => format!("{} ({size})", fault(kind)),
+            None if incident.scope.cylinder().is_none() => in_common(kind).to_owned(),
             None => what(incident.suspect, kind).to_owned(),
         },
     }
@@ -105,26 +111,74 @@ pub const fn whom(whom: Suspect, is_alone: bool) -> &'static str {
     }
 }
 
-/// How bad it got: `65.8 mm off (limit 50.0 mm)`; empty where nothing was compared.
-pub fn worst(incident: &Incident) -> String {
-    incident.worst().map_or(String::new(), |(quantity, peak)| {
-        let limit = incident.limits[quantity as usize];
-        format!("{} off (limit {})", millimetres(peak.value.abs()), millimetres(limit))
-    })
+/// When the suspect was named, where it was not at once: `named after 118.7 s`, `named after 118.7 s, when the fault
+/// ended`.
+pub fn naming(begin: Timestamp, named: Option<Naming>) -> Option<String> {
+    let Naming { at, by_its_end } = named?;
+    let after = at.since(begin);
+    let ended = if by_its_end { ", when the fault ended" } else { "" };
+    (after > AT_ONCE).then(|| format!("named after {}{ended}", span(after)))
 }
 
-/// The incident in a line, without its time: `cylinder 5, C1, black: growing error, 65.8 mm off (limit 50.0 mm)`.
+/// Whom an incident is about, as a short cell, with a mark where it was not named at once: `C2 late`.
+pub fn suspect_in_time(incident: &Incident) -> String {
+    let late = naming(incident.begin, incident.named).map_or("", |_| " late");
+    format!("{}{late}", suspect_of(incident.suspect, incident.is_alone()))
+}
+
+/// Name of a quantity for people.
+pub const fn quantity(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::R1 => "R1",
+        Quantity::R2 => "R2",
+        Quantity::R3 => "R3",
+        Quantity::Measured => "C1 − C2",
+    }
+}
+
+/// How bad it got: `R3 up to 2.00 mm (limit 1.50 mm)`.
+pub fn largest(which: Quantity, peak: f64, limit: f64) -> String {
+    let (name, peak, limit) = (quantity(which), millimetres(peak.abs()), millimetres(limit));
+    format!("{name} up to {peak} (limit {limit})")
+}
+
+/// The incident in a line, without its time: `cylinder 5, C1, black: growing error, C1 − C2 up to 65.8 mm (limit 50.0
+/// mm)`, `machine (cylinders 1 to 6), black: no messages in time`.
 pub fn line(incident: &Incident) -> String {
-    let whom = whom(incident.suspect, incident.is_alone());
-    let worst = worst(incident);
-    let separator = if worst.is_empty() { "" } else { ", " };
-    let (cylinder, level, kind) = (incident.cylinder, incident.level.name(), kind(incident));
-    format!("cylinder {cylinder}, {whom}, {level}: {kind}{separator}{worst}")
+    let Incident { scope, suspect, level, begin, named, .. } = *incident;
+    let worst = incident
+        .worst()
+        .map(|(quantity, peak)| largest(quantity, peak.value, incident.limits[quantity as usize]));
+    let of = match scope {
+        Scope::Cylinder(number) => of_cylinder(number.into(), whom(suspect, incident.is_alone())),
+        Scope::Machine(cylinders) => of_machine(cylinders),
+    };
+    line_of((of, level), naming(begin, named), &kind(incident), worst)
+}
+
+/// Which cylinder an incident is of, and whom it is about: `cylinder 5, C1`.
+pub fn of_cylinder(number: usize, whom: &str) -> String {
+    format!("cylinder {number}, {whom}")
+}
+
+/// The line of an incident: what it is of and its level, when its suspect was named, what is wrong, and how bad it got.
+pub fn line_of(
+    (of, level): (String, Level),
+    named: Option<String>,
+    kind: &str,
+    worst: Option<String>,
+) -> String {
+    let named = named.map_or(String::new(), |named| format!(" ({named})"));
+    let worst = worst.map_or(String::new(), |worst| format!(", {worst}"));
+    format!("{of}{named}, {}: {kind}{worst}", level.name())
 }
 
 /// What a person should do.
 pub fn advice(incident: &Incident) -> String {
     let whom = suspect(incident.suspect);
+    if incident.scope.cylinder().is_none() && incident.fault != Fault::Supply {
+        return machine::ADVICE.to_owned();
+    }
     if incident.part(WarningPlace::PlausibilityOfCommand).is_some() {
         return "Check the controller: without its command the observers cannot judge.".to_owned();
     }
@@ -246,9 +300,11 @@ pub fn timing(apart: &Apart) -> String {
     )
 }
 
-/// Key for sorting: the highest level first, then the earliest.
-pub fn order(incident: &Incident) -> (Reverse<Level>, Timestamp) {
-    (Reverse(incident.level), incident.begin)
+/// The order of a list: the highest level first, then what was largest against its limit, then the earliest.
+pub fn order(a: &Incident, b: &Incident) -> Ordering {
+    let [(trips_a, share_a), (trips_b, share_b)] = [a.severity(), b.severity()];
+    let level = b.level.cmp(&a.level).then(trips_b.cmp(&trips_a));
+    level.then(share_b.total_cmp(&share_a)).then(a.begin.cmp(&b.begin))
 }
 
 /// Detectors that rose, in the order of their numbers.

@@ -81,7 +81,7 @@ fn write(warning: &Warning) {
 
 fn tell(incident: &Incident) {
     let (line, state) = (story::line(incident), incident.progress.name());
-    let (number, cylinder) = (incident.number, incident.cylinder);
+    let (number, cylinder) = (incident.number, incident.scope.cylinder());
     let (suspect, level) = (incident.suspect.name(), incident.level.name());
     macro_rules! tell {
         ($say:ident, $more:expr) => {

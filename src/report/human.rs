@@ -128,10 +128,15 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
     text + "\n"
 }
 
-/// The time in which it was recorded, where there was more of it between the first frame and the last.
+/// The time in which it was recorded, where there was more of it between the first frame and the last; where there was
+/// less, by how much its clock was set back.
 fn within(summary: &Summary<'_>) -> String {
-    let apart = (summary.duration - summary.recorded).abs() >= 1.0;
-    if apart { format!(" within {}", wording::clock(summary.duration)) } else { String::new() }
+    let more = summary.duration - summary.recorded;
+    match more {
+        _ if more >= 1.0 => format!(" within {}", wording::clock(summary.duration)),
+        _ if more <= -1.0 => format!(", whose clock was set back by {}", wording::clock(-more)),
+        _ => String::new(),
+    }
 }
 
 fn table(heading: &Heading<'_>, columns: &[&str]) -> Table {

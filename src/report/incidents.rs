@@ -10,7 +10,8 @@ pub const KEPT: usize = 200;
 #[derive(Clone, Debug, Default)]
 pub struct Incidents {
     kept: Vec<Incident>,
-    /// Number of incidents of each cylinder, in order.
+    count: u64,
+    /// Number of incidents of each cylinder alone, in order.
     counts: Vec<u64>,
 }
 
@@ -22,25 +23,26 @@ impl Incidents {
             return;
         }
         if incident.progress == Progress::Opened {
-            let index = usize::from(incident.cylinder) - 1;
-            if self.counts.len() <= index {
-                self.counts.resize(index + 1, 0);
+            self.count += 1;
+            if let Some(number) = incident.scope.cylinder() {
+                let number = usize::from(number);
+                self.counts.resize(self.counts.len().max(number), 0);
+                self.counts[number - 1] += 1;
             }
-            self.counts[index] += 1;
         }
         if self.kept.len() < KEPT {
             self.kept.push(*incident);
             return;
         }
-        let mildest = self.kept.iter_mut().max_by_key(|known| story::order(known));
-        if let Some(mildest) = mildest.filter(|known| known.level < incident.level) {
+        let mildest = self.kept.iter_mut().max_by(|a, b| story::order(a, b));
+        if let Some(mildest) = mildest.filter(|known| story::order(incident, known).is_lt()) {
             *mildest = *incident;
         }
     }
 
     /// Number of incidents.
-    pub fn count(&self) -> u64 {
-        self.counts.iter().sum()
+    pub const fn count(&self) -> u64 {
+        self.count
     }
 
     /// Number of incidents beyond [`KEPT`].
@@ -48,21 +50,19 @@ impl Incidents {
         self.count() - self.kept.len() as u64
     }
 
-    /// The incidents that are kept, the worst first, and of one level in the order of their begin.
+    /// The incidents that are kept, the worst first.
     pub fn by_severity(&self) -> Vec<&Incident> {
         let mut all: Vec<&Incident> = self.kept.iter().collect();
-        all.sort_by_key(|incident| story::order(incident));
+        all.sort_by(|a, b| story::order(a, b));
         all
     }
 
-    /// The worst one: of the highest level that with the largest difference, relative to its limit.
+    /// The worst one, which is the first of [`Self::by_severity`].
     pub fn worst(&self) -> Option<&Incident> {
-        self.kept.iter().max_by(|a, b| {
-            a.level.cmp(&b.level).then_with(|| a.severity().total_cmp(&b.severity()))
-        })
+        self.kept.iter().min_by(|a, b| story::order(a, b))
     }
 
-    /// Number of incidents of the cylinder `n` (from 1).
+    /// Number of incidents of the cylinder `n` (from 1) alone.
     pub fn of_cylinder(&self, n: usize) -> u64 {
         self.counts.get(n - 1).copied().unwrap_or(0)
     }

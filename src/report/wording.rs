@@ -44,24 +44,26 @@ pub const EPISODE_COLUMNS: [&str; 10] = [
 
 /// Columns of the incidents.
 pub const INCIDENT_COLUMNS: [&str; 7] =
-    ["at", "cylinder", "suspect", "level", "what", "off", "lasted"];
+    ["at", "cylinder", "suspect", "level", "what", "largest, mm", "lasted"];
 
 /// Index of the column of an incident's level.
 pub const LEVEL_COLUMN: usize = 3;
 
 /// A row in the order of [`INCIDENT_COLUMNS`].
 pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
-    let off =
-        incident.worst().map_or("–".to_owned(), |(_, peak)| story::millimetres(peak.value.abs()));
+    let largest = incident.worst().map_or("–".to_owned(), |(quantity, peak)| {
+        let (name, size) = (story::quantity(quantity), story::millimetres(peak.value.abs()));
+        format!("{} {}", name.replace(" − ", "−"), size.trim_end_matches(" mm"))
+    });
     let over = || if incident.stands() { "stands" } else { "–" }.to_owned();
     let lasted = story::lasted(incident).unwrap_or_else(over);
     [
         zone.time(incident.begin),
-        incident.cylinder.to_string(),
-        story::suspect_of(incident.suspect, incident.is_alone()).to_owned(),
+        story::numbers(incident.scope.cylinders()),
+        story::suspect_in_time(incident),
         incident.level.name().to_owned(),
         story::kind(incident),
-        off,
+        largest,
         lasted,
     ]
 }

@@ -1,13 +1,10 @@
 //! Why an incident is what it is: what spoke up, in the order of time, and what stayed quiet.
 
-use super::{millimetres, span};
+use super::{millimetres, naming, span};
 use crate::alarm::detector::WarningPlace;
-use crate::incident::{Incident, Part, Quantity};
-use crate::time::{Span, Timestamp};
+use crate::incident::{Incident, Outset, Part, Quantity};
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony};
-
-/// Time within which detectors are said to rise together.
-const TOGETHER: Span = Span::from_nanos(100_000_000);
 
 /// Detectors that compare, with their quantities and their names for people.
 const COMPARING: [(WarningPlace, Quantity, &str); 3] = [
@@ -20,12 +17,22 @@ const COMPARING: [(WarningPlace, Quantity, &str); 3] = [
 /// stayed quiet.
 pub fn evidence(incident: &Incident) -> String {
     let mut clauses = in_time(observed(incident));
+    if incident.scope.cylinder().is_none() {
+        clauses.push("it is what these cylinders share, so no transducer is suspected".to_owned());
+        return clauses.join("; ");
+    }
     clauses.extend(quiet(incident));
     clauses.extend(testimony(incident));
+    clauses.push(conclusion(incident));
+    clauses.join("; ")
+}
+
+/// Whom the evidence names, and when it did so; where that was not at once, also by which detector.
+fn conclusion(incident: &Incident) -> String {
     let is_alone = incident.is_alone();
     let by_observer = incident.part(WarningPlace::Fde1).is_some()
         && incident.part(WarningPlace::PlausibilityOfC1).is_none();
-    let conclusion = match incident.suspect {
+    let whom = match incident.suspect {
         Suspect::C1 if is_alone && by_observer => {
             "there is no second transducer to ask, so C1 is blamed"
         }
@@ -34,10 +41,12 @@ pub fn evidence(incident: &Incident) -> String {
         Suspect::C1 => "so it is C1",
         Suspect::C2 => "so it is C2",
         Suspect::Process => "so it is neither transducer",
-        Suspect::Undecided => "so which of the two it is stays open",
+        Suspect::Undecided => return "so it is not known which of the two is faulty".to_owned(),
     };
-    clauses.push(conclusion.to_owned());
-    clauses.join("; ")
+    let Some(named) = naming(incident.begin, incident.named) else { return whom.to_owned() };
+    let by = COMPARING.iter().find(|(place, ..)| incident.namer() == Some(*place));
+    let by = by.map_or(String::new(), |(.., name)| format!(" by {name}"));
+    format!("{whom} ({})", named.replacen("named", &format!("named{by}"), 1))
 }
 
 /// Something that spoke up.
@@ -74,7 +83,7 @@ fn observed(incident: &Incident) -> Vec<Observation> {
 /// Clauses in the order of time: the time of a later one counts from the first.
 fn in_time(observed: Vec<Observation>) -> Vec<String> {
     let Some(begin) = observed.first().map(|it| it.at) else { return Vec::new() };
-    let is_later = |it: &Observation| it.at.since(begin) > TOGETHER;
+    let is_later = |it: &Observation| it.at > begin;
     let is_first = observed.get(1).is_some_and(is_later);
     let clause = |(place, it): (usize, Observation)| match place {
         0 if is_first => it.first,
@@ -122,7 +131,7 @@ fn risen(incident: &Incident) -> Vec<Observation> {
     let mut observed = Vec::new();
     let mut rest = &risen[..];
     while let Some((first, _)) = rest.first() {
-        let at_once = |(part, _): &&(&Part, String)| part.raised.since(first.raised) <= TOGETHER;
+        let at_once = |(part, _): &&(&Part, String)| part.raised == first.raised;
         let (group, others) = rest.split_at(rest.iter().take_while(at_once).count());
         let names = listed(&group.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>());
         let together = if group.len() > 1 { " together" } else { "" };
@@ -169,6 +178,7 @@ fn testimony(incident: &Incident) -> Option<String> {
 
 /// The observers that did not rise, and whether they judged at all.
 fn quiet(incident: &Incident) -> Vec<String> {
+    let Outset { judged, elsewhere } = incident.outset;
     let quiet = |(place, quantity, name): &(WarningPlace, Quantity, &str)| {
         let is_there = incident.limits[*quantity as usize].is_finite();
         if incident.part(*place).is_some() || !is_there {
@@ -178,8 +188,12 @@ fn quiet(incident: &Incident) -> Vec<String> {
             Some(peak) => {
                 let (size, limit) = (peak.value.abs(), incident.limits[*quantity as usize]);
                 // Its warning is another incident's.
-                let is_other = size > limit;
-                let how = if is_other { "stands for another fault" } else { "stayed quiet" };
+                let is_other = size > limit || elsewhere[*quantity as usize];
+                let how = match (is_other, judged[*quantity as usize]) {
+                    (true, _) => "stands for another fault",
+                    (false, true) => "stayed quiet",
+                    (false, false) => "was not judged at first, then stayed quiet",
+                };
                 format!("{name} {how} ({} of {})", millimetres(size), millimetres(limit))
             }
             None => format!("{name} was not judged"),

@@ -4,6 +4,7 @@ use crate::incident::{Incidents, Progress};
 use crate::verdict::Testimony;
 
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
+const CYCLE: Span = Span::from_nanos(20_000_000);
 
 fn at(seconds: f64) -> Timestamp {
     Timestamp::default().after(Span::from_seconds(seconds))
@@ -25,7 +26,7 @@ fn finding(suspect: Suspect, by: Option<Testimony>) -> Finding {
 
 /// The incident of a sequential warning that blames nobody at first and then, after 4 s, `suspect`.
 fn told(suspect: Suspect, by: Testimony) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
     let mut newest = None;
     let warnings = [
         (1.0, State::Raised, finding(Suspect::Undecided, None)),
@@ -49,7 +50,7 @@ fn told(suspect: Suspect, by: Testimony) -> Incident {
 /// The incident of a warning of FDE1 about a cylinder without C2.
 fn alone(suspect: Suspect, fault: Fault) -> Incident {
     let limits = [1e-3, f64::INFINITY, f64::INFINITY, f64::INFINITY];
-    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3]);
+    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3], CYCLE);
     incidents.take(&Warning {
         timestamp: at(1.0),
         cylinder: 3,
@@ -92,11 +93,11 @@ fn nothing_is_compared_on_a_cylinder_without_c2() {
 fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
     let by_flow = evidence(&told(Suspect::C1, Testimony::Flow));
     let end = "C2's observer stayed quiet (0.20 mm of 1.00 mm); the difference stayed quiet (1.10 mm of 1.50 mm); the \
-               oil that passed the valve agrees with C2 and not with C1 (9 nats); so it is C1";
+               oil that passed the valve agrees with C2 and not with C1 (9 nats); so it is C1 (named after 4.0 s)";
     assert!(by_flow.ends_with(end), "{by_flow}");
     assert!(by_flow.contains("the evidence of many samples (31 nats) showed it"), "{by_flow}");
     let by_deck = evidence(&told(Suspect::C2, Testimony::Attitude));
-    let end = "the attitude of the deck agrees with C1 and not with C2 (9 nats); so it is C2";
+    let end = "the attitude of the deck agrees with C1 and not with C2 (9 nats); so it is C2 (named after 4.0 s)";
     assert!(by_deck.ends_with(end), "{by_deck}");
 }
 
@@ -104,12 +105,12 @@ fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
 fn what_the_samples_themselves_say_stays_with_them() {
     let told = evidence(&told(Suspect::C1, Testimony::Innovations));
     assert!(told.contains("the evidence of many samples (31 nats; 9 for C1) showed it"), "{told}");
-    assert!(told.ends_with("(1.10 mm of 1.50 mm); so it is C1"), "{told}");
+    assert!(told.ends_with("(1.10 mm of 1.50 mm); so it is C1 (named after 4.0 s)"), "{told}");
 }
 
 /// The incident of warnings that each come at their own time.
 fn of(warnings: &[(f64, WarningPlace, Finding)]) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
     let mut end = at(0.0);
     for (seconds, place, finding) in warnings {
         incidents.take(&Warning {
@@ -151,10 +152,39 @@ fn what_spoke_up_is_told_in_the_order_of_time() {
     assert!(evidence(&found_late).starts_with(told), "{}", evidence(&found_late));
 }
 
+/// All frames come too late.
+#[test]
+fn what_the_cylinders_share_is_told_once_and_suspects_no_transducer() {
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2)); 3], CYCLE);
+    for cylinder in 1..=3 {
+        for (place, suspect) in [
+            (WarningPlace::PlausibilityOfC1, Suspect::C1),
+            (WarningPlace::PlausibilityOfC2, Suspect::C2),
+        ] {
+            let stale = Finding { fault: Fault::Stale, evidence: None, ..finding(suspect, None) };
+            incidents.take(&Warning {
+                timestamp: at(1.0),
+                cylinder,
+                detector: Detector::Plausibility,
+                place: place as usize,
+                state: State::Raised,
+                finding: Finding { level: Level::Black, ..stale },
+            });
+        }
+    }
+    let mut told = None;
+    incidents.follow_machine(at(1.0), |it| told = Some(*it));
+    let told = told.expect("it is the machine's");
+    assert_eq!(line(&told), "machine (cylinders 1 to 3), black: no messages in time");
+    let end = "so no transducer is suspected";
+    assert!(evidence(&told).ends_with(end), "{}", evidence(&told));
+    assert!(advice(&told).contains("the Sync"), "{}", advice(&told));
+}
+
 /// That the observers and the difference stayed quiet is what speaks for the hydraulics.
 #[test]
 fn of_a_fault_of_the_hydraulics_it_is_told_what_stayed_quiet() {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
     let leak = Finding { fault: Fault::Leakage, ..finding(Suspect::Process, None) };
     let warning = Warning {
         timestamp: at(1.0),
@@ -177,4 +207,46 @@ fn of_a_fault_of_the_hydraulics_it_is_told_what_stayed_quiet() {
     ] {
         assert!(told.contains(clause), "{told}");
     }
+}
+
+/// A drift whose transducer nobody knew before it ended.
+#[test]
+fn a_suspect_that_was_named_late_is_told_as_such() {
+    let open = Finding { evidence: None, ..finding(Suspect::Undecided, None) };
+    let ends = Finding { suspect: Suspect::C2, residual: Some(2e-3), ..open };
+    let late = of(&[(1.0, WarningPlace::Fde3, open), (119.7, WarningPlace::Fde2, ends)]);
+    let told = "cylinder 1, C2 (named after 118.7 s, when the fault ended), yellow: growing error, R2 up to 2.00 mm (limit 1.00 mm)";
+    assert_eq!(line(&late), told);
+    let told = "; so it is C2 (named by C2's observer after 118.7 s, when the fault ended)";
+    assert!(evidence(&late).ends_with(told), "{}", evidence(&late));
+    let named = Finding { suspect: Suspect::C2, ..open };
+    let at_once = of(&[(1.0, WarningPlace::Fde3, named)]);
+    assert!(line(&at_once).starts_with("cylinder 1, C2, yellow"), "{}", line(&at_once));
+}
+
+/// Two incidents with other suspects differ in their evidence, too.
+#[test]
+fn evidence_tells_why_it_is_not_known_which() {
+    let told = |suspect: Suspect, others: Option<f64>| {
+        let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+        let finding = Finding { evidence: None, ..finding(suspect, None) };
+        let (detector, place) = (Detector::Fde1, WarningPlace::Fde1 as usize);
+        let (timestamp, state) = (at(1.0), State::Raised);
+        let warning = Warning { timestamp, cylinder: 1, detector, place, state, finding };
+        incidents.take(&warning);
+        incidents.follow(0, [at(1.0); 2], &[Some(2e-3), others, Some(1e-4), None], |_| {});
+        incidents.follow(0, [at(1.1); 2], &[Some(1e-4); 4], |_| {});
+        let mut standing = None;
+        incidents.finish(at(2.0), |it| standing = Some(*it));
+        evidence(&standing.expect("it stands"))
+    };
+    let known = told(Suspect::C1, Some(1e-4));
+    let open = told(Suspect::Undecided, None);
+    assert!(known.contains("C2's observer stayed quiet (0.10 mm of"), "{known}");
+    assert!(known.ends_with("; so it is C1"), "{known}");
+    assert!(
+        open.contains("C2's observer was not judged at first, then stayed quiet (0.10 mm"),
+        "{open}"
+    );
+    assert!(open.ends_with("; so it is not known which of the two is faulty"), "{open}");
 }

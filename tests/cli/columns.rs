@@ -152,6 +152,8 @@ fn tables_have_what_the_lines_have_to_the_bit() {
         "quantity",
         "peak",
         "limit",
+        "now",
+        "named_by_its_end",
         "summary",
         "evidence",
     ];

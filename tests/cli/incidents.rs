@@ -112,6 +112,51 @@ fn faults_one_after_another_are_told_apart() {
     );
 }
 
+/// Three noises of one transducer each, a drift that ends, and a step of which nobody knows whose it is.
+#[test]
+fn the_worst_is_the_largest_against_its_limit_and_a_late_suspect_is_told_as_such() {
+    let scratch = Scratch::new();
+    let log = scratch.path("faults.log");
+    let (healthy, csv) = (recording("e-type-healthy.log.zst"), scratch.path("residuals.csv"));
+    let mut call = vec!["inject", &healthy, "--config", E_TYPE, "--output", &log];
+    for fault in [
+        "noise,cylinder=4,sensor=c1,at=200,size=0.003",
+        "noise,cylinder=5,sensor=c1,at=250,size=0.006",
+        "noise,cylinder=2,sensor=c1,at=260,size=0.002",
+        "drift,cylinder=3,sensor=c2,at=200,rate=0.0002,until=320",
+        "step,cylinder=1,sensor=c1,at=100,size=0.06,until=102",
+    ] {
+        call.extend(["--fault", fault]);
+    }
+    tertius(&call, b"").ok();
+    let run = replay(&[&log], E_TYPE, &["--residuals", &csv]).ok();
+    assert!(assert_peaks(&run, &csv) > 10);
+    let told = run.incidents();
+    let of = |cylinder: u64| told.iter().filter(move |it| it["cylinder"] == cylinder);
+    let drift: Vec<&Value> = of(3).collect();
+    for two in drift.windows(2) {
+        let [before, after] = [two[0], two[1]].map(|it| seconds(it, "t").expect("a time"));
+        let [small, large] = [two[0], two[1]].map(|it| seconds(it, "peak").expect("it").abs());
+        let grew = two[0]["suspect"] == two[1]["suspect"] && two[1]["state"] == "revised";
+        assert!(!grew || after - before >= 5.0, "{before} {after}");
+        assert!(large <= 1.35 * small || after - before < 5.1, "{small} {large}");
+    }
+    assert!(drift.len() > 8, "{} times", drift.len());
+    let end = drift.last().expect("it is over");
+    assert_eq!((&end["suspect"], &end["named_by_its_end"]), (&"c2".into(), &true.into()));
+    assert!((seconds(end, "named").expect("it is named") - 320.0).abs() < 0.1, "{end}");
+    assert!(end["summary"].as_str().is_some_and(|it| it.contains("when the fault ended")), "{end}");
+    let step = of(1).next().expect("it is found");
+    assert!((seconds(step, "size").expect("a step") - 0.06).abs() < 5e-4, "{step}");
+    let text = tertius(&["replay", &log, "--config", E_TYPE], b"").ok().stdout;
+    assert!(text.contains("Worst: cylinder 1, C1 or C2, black: step of 60.3 mm"), "{text}");
+    let rows = text.lines().skip_while(|line| !line.contains("largest, mm  lasted")).skip(1);
+    let cylinders = rows.map_while(|row| row.split_whitespace().nth(1)?.parse::<u64>().ok());
+    // By what was largest against its limit: trip, drift of 24 mm, noises of 6, 3 and 2 mm.
+    assert_eq!(cylinders.collect::<Vec<_>>(), [1, 3, 5, 4, 2], "{text}");
+    assert!(text.contains(" C2 late "), "{text}");
+}
+
 #[test]
 fn a_quiet_recording_fits_one_screen_and_says_what_was_judged() {
     let log = recording("e-type-healthy.log.zst");

@@ -539,8 +539,13 @@ fn the_time_between_two_recordings_is_no_time_without_an_incident() {
     assert!(page.contains("\n0:39.9"), "{page}");
     assert!(page.contains(" of recording within 27:46:59.9"), "{page}");
     assert!(page.contains("\n1 jump of the time stamps (everything restarted)\n"), "{page}");
+    let set_back = quiet.replace("(170000", "(170010") + &quiet;
+    let page = tertius(&["replay", "-", "--config", E_TYPE], set_back.as_bytes()).ok().stdout;
+    assert!(page.contains(" of recording, whose clock was set back by 27:4"), "{page}");
+    assert!(!page.contains("within"), "{page}");
     let page = tertius(&["replay", &first, "--config", E_TYPE], b"").ok().stdout;
     assert!(page.contains("No incident in 20.0 s.\n") && !page.contains("within"), "{page}");
+    assert!(!page.contains("set back"), "{page}");
 }
 
 /// `log` with the time stamps of its cycles moved by what `shift` gives for each, s.
@@ -675,6 +680,8 @@ fn check_incident(line: &Value, cylinders: u64) {
         "cylinder",
         "level",
         "suspect",
+        "named",
+        "named_by_its_end",
         "fault",
         "begin",
         "onset",
@@ -685,6 +692,7 @@ fn check_incident(line: &Value, cylinders: u64) {
         "peak",
         "peak_at",
         "limit",
+        "now",
         "peaks",
         "detectors",
         "summary",
@@ -701,6 +709,11 @@ fn check_incident(line: &Value, cylinders: u64) {
     assert!(times.iter().flatten().is_sorted(), "{line}");
     let is_closed = line["state"] == "closed";
     assert_eq!((times[2].is_some(), line["ending"].is_string()), (is_closed, is_closed), "{line}");
+    let is_named = line["suspect"] != "undecided";
+    let named = [line["named"].is_number(), line["named_by_its_end"].is_boolean()];
+    assert_eq!(named, [is_named; 2], "{line}");
+    assert!(!is_named || times[1] <= line["named"].as_f64(), "{line}");
+    assert!(!is_closed || line["now"].is_null(), "{line}");
     let compared = ["peak", "peak_at", "limit"].map(|key| line[key].is_number());
     assert_eq!(compared, [line["quantity"].is_string(); 3], "{line}");
     assert!(!line["detectors"].as_array().expect("a list").is_empty(), "{line}");

@@ -67,7 +67,7 @@ impl Seen {
     /// Suspects of the incidents of a cylinder, as they were last told.
     fn incidents(&self, cylinder: u8) -> Vec<(u32, Suspect, Progress)> {
         let mut last: Vec<(u32, Suspect, Progress)> = Vec::new();
-        for it in self.incidents.iter().filter(|it| it.cylinder == cylinder) {
+        for it in self.incidents.iter().filter(|it| it.scope.has(cylinder.into())) {
             let said = (it.number, it.suspect, it.progress);
             match last.iter_mut().find(|known| known.0 == it.number) {
                 Some(known) => *known = said,

@@ -29,6 +29,7 @@ mod hexapod;
 mod inject_properties;
 mod inject_spec;
 mod last;
+mod machine_incidents;
 mod mf4;
 mod mf4_damage;
 mod mf4_writer;

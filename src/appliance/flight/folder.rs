@@ -134,7 +134,8 @@ fn is_name(name: &str) -> bool {
     let Some((stamp, what)) = name.split_once('-') else { return false };
     let stamp = stamp.strip_suffix('Z').and_then(|stamp| stamp.split_once('T'));
     let is_stamp = stamp.is_some_and(|(day, time)| is_digits(day, 8) && is_digits(time, 6));
-    is_stamp && (what.starts_with("cylinder-") || what.starts_with("on-demand"))
+    let kinds = ["cylinder-", "machine-incident-", "on-demand"];
+    is_stamp && kinds.iter().any(|kind| what.starts_with(kind))
 }
 
 /// Bytes of the files of a folder.

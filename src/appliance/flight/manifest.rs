@@ -66,7 +66,7 @@ impl<'a> Manifest<'a> {
             version: env!("CARGO_PKG_VERSION"),
             configuration: plan.fingerprints.configuration.to_string(),
             calibration: plan.fingerprints.calibration.map(|it| it.to_string()),
-            cylinder: incident.map(|it| it.cylinder),
+            cylinder: incident.and_then(|it| it.scope.cylinder()),
             incident: incident.map(|it| it.number),
             time: utc(at).map_or_else(String::new, |at| at.to_string()),
             from: number(first),

@@ -4,7 +4,7 @@ use super::manifest::{Extent, MANIFEST, Manifest, utc};
 use super::packer::Piece;
 use super::plan::{FRAMES_FILE, FlightPlan, STATE_FILE};
 use super::ring::{MOST_BYTES, Ring};
-use crate::incident::Incident;
+use crate::incident::{Incident, Scope};
 use crate::time::{Span, Timestamp};
 use std::io;
 use std::sync::Arc;
@@ -87,9 +87,10 @@ impl Recording {
         let stamp = utc(self.at).map(|at| at.strftime("%Y%m%dT%H%M%SZ").to_string());
         let stamp = stamp.unwrap_or_else(|| "00000000T000000Z".to_owned());
         match self.told.first() {
-            Some(Incident { cylinder, number, .. }) => {
+            Some(Incident { scope: Scope::Cylinder(cylinder), number, .. }) => {
                 format!("{stamp}-cylinder-{cylinder}-incident-{number}")
             }
+            Some(Incident { number, .. }) => format!("{stamp}-machine-incident-{number}"),
             None => format!("{stamp}-on-demand"),
         }
     }

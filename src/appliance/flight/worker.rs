@@ -159,7 +159,7 @@ impl Worker {
     fn begin(&mut self, incident: &Incident) {
         if self.open.len() == AT_ONCE {
             self.telemetry.recorder_left_out(1);
-            let (number, cylinder) = (incident.number, incident.cylinder);
+            let (number, cylinder) = (incident.number, incident.scope.cylinder());
             warn!(
                 incident = number,
                 cylinder, "not recorded: {AT_ONCE} incidents are being recorded"

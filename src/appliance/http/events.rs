@@ -4,8 +4,10 @@ use super::{Shared, json};
 use crate::alarm::Level;
 use crate::alarm::status::Mode;
 use crate::appliance::store::{
-    AlarmOverview, EventKind, ExportFormat, Filter, StoreReader, StoreState, Trouble, export,
+    AlarmEntry, AlarmOverview, EventKind, ExportFormat, Filter, StoreReader, StoreState, Trouble,
+    export,
 };
+use crate::appliance::telemetry::Telemetry;
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
 use axum::body::Body;
@@ -14,6 +16,7 @@ use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
+use std::time::Duration;
 
 /// Most bytes of an export over HTTP; `tertius events` has no such bound.
 const LONGEST_EXPORT: usize = 8_000_000;
@@ -35,11 +38,22 @@ pub(super) async fn alarms(State(shared): State<Shared>) -> Response {
     if store.path.is_none() {
         return json(&Alarms { store, acts, overview: None });
     }
+    let (telemetry, uptime) = (shared.telemetry.clone(), shared.clock.uptime());
     read(&shared, move |reader| {
-        let overview = reader.overview(now, gated)?;
+        let mut overview = reader.overview(now, gated)?;
+        overview.alarms.iter_mut().for_each(|alarm| follow(alarm, &telemetry, uptime));
         Ok(json(&Alarms { store, acts, overview: Some(overview) }))
     })
     .await
+}
+
+/// Adds what an alarm's worst quantity is now, while its incident is open.
+fn follow(alarm: &mut AlarmEntry, telemetry: &Telemetry, uptime: Duration) {
+    let quantity = alarm.quantity.as_deref().filter(|_| alarm.ending.is_none());
+    alarm.now_m = alarm
+        .cylinder
+        .zip(quantity)
+        .and_then(|(number, it)| telemetry.newest(number.into(), it, uptime));
 }
 
 /// What is searched for, as it stands in an address.
@@ -105,8 +119,12 @@ pub(super) async fn events(State(shared): State<Shared>, Query(wanted): Query<Wa
 
 pub(super) async fn incident(State(shared): State<Shared>, Path(id): Path<i64>) -> Response {
     let now = shared.clock.system();
+    let (telemetry, uptime) = (shared.telemetry.clone(), shared.clock.uptime());
     read(&shared, move |reader| match reader.incident(id, now)? {
-        Some(incident) => Ok(json(&incident)),
+        Some(mut incident) => {
+            follow(&mut incident.alarm, &telemetry, uptime);
+            Ok(json(&incident))
+        }
         None => Ok((StatusCode::NOT_FOUND, "there is no such incident\n").into_response()),
     })
     .await

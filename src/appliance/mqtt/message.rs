@@ -74,6 +74,7 @@ impl StateMessage {
             let mut it = it.clone();
             (it.at_s, it.uptime_s, it.cycles) = (0.0, 0, 0);
             it.health.reason.clear();
+            it.health.incidents.iter_mut().for_each(|incident| incident.now_m = None);
             (it.health.seconds_since_turn, it.health.seconds_since_frame) = (None, None);
             for of in &mut it.cylinders {
                 *of = CylinderMessage { cylinder: of.cylinder, c1: of.c1, c2: of.c2, ..NO_NUMBERS };

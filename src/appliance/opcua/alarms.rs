@@ -10,8 +10,10 @@ use crate::time::Timestamp;
 use opcua::types::{ByteString, NodeId, ObjectTypeId, StatusCode};
 use std::collections::BTreeMap;
 
-/// An alarm by its cylinder and the number of its incident.
+/// An alarm by its cylinder, 0 for the machine, and the number of its incident.
 type Key = (usize, u32);
+
+const MACHINE: usize = 0;
 
 /// The alarms that are active.
 #[derive(Debug, Default)]
@@ -34,7 +36,8 @@ impl Alarms {
         let open = (1..).zip(&now.cylinders).flat_map(|(cylinder, it)| {
             it.open.iter().map(move |incident| ((cylinder, incident.number), *incident))
         });
-        let open: BTreeMap<Key, OpenSlot> = open.collect();
+        let shared = now.shared.iter().map(|incident| ((MACHINE, incident.number), *incident));
+        let open: BTreeMap<Key, OpenSlot> = open.chain(shared).collect();
         let is_over = |key: &Key, known: &Active| {
             // A monitor that begins anew counts anew.
             open.get(key).is_none_or(|incident| incident.begin != known.incident.begin)
@@ -65,9 +68,9 @@ impl Alarms {
                 event_type: NodeId::from(ObjectTypeId::AlarmConditionType),
                 condition: condition(namespace, key),
                 condition_name: format!("incident {}", incident.number),
-                source: space::cylinder(namespace, key.0),
-                source_name: format!("cylinder_{}", key.0),
-                input: space::node(namespace, &format!("cylinder_{}_incident", key.0)),
+                source: space::node(namespace, &source(key)),
+                source_name: source(key),
+                input: space::node(namespace, &input(key)),
                 // It begins when it was warned of, and changes now.
                 time: date_time(if known.is_none() { incident.begin } else { at }),
                 received: date_time(at),
@@ -97,8 +100,18 @@ impl Alarms {
     }
 }
 
-fn condition(namespace: u16, (cylinder, number): Key) -> NodeId {
-    space::node(namespace, &format!("cylinder_{cylinder}_incident_{number}"))
+fn condition(namespace: u16, key: Key) -> NodeId {
+    space::node(namespace, &format!("{}_incident_{}", source(key), key.1))
+}
+
+/// Name of the node of the cylinder or the machine.
+fn source((cylinder, _): Key) -> String {
+    if cylinder == MACHINE { "machine".to_owned() } else { format!("cylinder_{cylinder}") }
+}
+
+/// Name of the variable that tells of it: its number, or of the machine how many are open.
+fn input(key: Key) -> String {
+    if key.0 == MACHINE { "incidents_open".to_owned() } else { format!("{}_incident", source(key)) }
 }
 
 /// Severity of a level, in the middle of each fifth of the standard's range (OPC 10000-5, 6.4.2).
@@ -115,11 +128,22 @@ const fn severity(level: Level) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::incident::Cylinders;
     use crate::verdict::{Fault, Suspect};
 
     fn incident(number: u32, level: Level) -> OpenSlot {
         let begin = Timestamp::from_nanos(1_700_000_000_000_000_000 + i64::from(number));
-        OpenSlot { number, level, suspect: Suspect::C1, fault: Fault::Abrupt, begin }
+        OpenSlot {
+            number,
+            cylinders: Cylinders::NONE,
+            level,
+            suspect: Suspect::C1,
+            fault: Fault::Abrupt,
+            is_alone: false,
+            begin,
+            named: None,
+            worst: None,
+        }
     }
 
     fn state(open: &[OpenSlot]) -> Snapshot {

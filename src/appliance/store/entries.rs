@@ -10,8 +10,8 @@ use serde::Serialize;
 pub struct AlarmEntry {
     /// Incident in the store.
     pub incident: i64,
-    /// Cylinder number, counted from 1.
-    pub cylinder: u8,
+    /// Cylinder number, counted from 1; `None` for what is the machine's.
+    pub cylinder: Option<u8>,
     pub begin_s: f64,
     pub end_s: Option<f64>,
     /// How it ended: `returned`, `quiet`, `cut` or `interrupted`; `None` while it is open.
@@ -29,12 +29,22 @@ pub struct AlarmEntry {
     pub shelved_reason: Option<String>,
     /// Time until which it is shelved; also after it.
     pub shelved_until_s: Option<f64>,
+    /// When the suspect was named, and whether by the end of the fault; `None` while it is undecided.
+    pub named_s: Option<f64>,
+    pub named_by_its_end: Option<bool>,
+    /// Quantity that was largest against its limit, as in [`IncidentFields`], with its peak and limit, m.
+    pub quantity: Option<String>,
+    pub peak_m: Option<f64>,
+    pub limit_m: Option<f64>,
+    /// Its absolute value in the newest cycle, m: not of the store, but of the gateway that follows it.
+    pub now_m: Option<f64>,
 }
 
-/// Columns of an [`AlarmEntry`], 16 of them, the last four for its state.
+/// Columns of an [`AlarmEntry`], 21 of them, four of which are for its state.
 pub(super) const ALARM_COLUMNS: &str = "i.id, i.cylinder, i.begin_ns, i.end_ns, i.ending, i.suspect, \
     i.fault, e.text, i.acknowledged_by, i.acknowledged_note, i.shelved_by, i.shelved_reason, \
-    i.condition, i.acknowledged, i.shelved_until_ns, i.level";
+    i.condition, i.acknowledged, i.shelved_until_ns, i.level, i.named_ns, i.named_by_its_end, \
+    i.quantity, i.peak_m, i.limit_m";
 
 /// An incident or event, as a search finds it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,7 +77,7 @@ pub struct IncidentFields {
     pub state: &'static str,
     /// Size of a step or of a difference, m, signed.
     pub size_m: Option<f64>,
-    /// Quantity that tells best how bad it was: `r1`, `r2`, `r3` or `c1_c2`, with its peak and limit.
+    /// Quantity that was largest against its limit: `r1`, `r2`, `r3` or `c1_c2`, with its peak and limit.
     pub quantity: Option<String>,
     pub peak_m: Option<f64>,
     pub limit_m: Option<f64>,
@@ -90,10 +100,7 @@ pub struct IncidentPage {
     /// Gain error, m per m.
     pub gain: Option<f64>,
     pub size_m: Option<f64>,
-    pub quantity: Option<String>,
-    pub peak_m: Option<f64>,
     pub peak_s: Option<f64>,
-    pub limit_m: Option<f64>,
     /// Names of the detectors that rose, separated by spaces.
     pub detectors: String,
     pub evidence: String,
@@ -201,7 +208,7 @@ pub(super) fn alarm_entry(
     let alarm = incident_rows::alarm(row, 12)?;
     Ok(AlarmEntry {
         incident: row.get(0)?,
-        cylinder: row.get(1)?,
+        cylinder: incident_rows::cylinder(row, 1)?,
         begin_s: time(row, 2)?,
         end_s: some_time(row, 3)?,
         ending: row.get(4)?,
@@ -215,6 +222,12 @@ pub(super) fn alarm_entry(
         shelved_by: row.get(10)?,
         shelved_reason: row.get(11)?,
         shelved_until_s: some_time(row, 14)?,
+        named_s: some_time(row, 16)?,
+        named_by_its_end: row.get(17)?,
+        quantity: row.get(18)?,
+        peak_m: row.get(19)?,
+        limit_m: row.get(20)?,
+        now_m: None,
     })
 }
 
@@ -249,19 +262,16 @@ pub(super) fn entry(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<EventEntr
 pub(super) fn incident_page(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<IncidentPage> {
     Ok(IncidentPage {
         alarm: alarm_entry(row, now, false)?,
-        number: row.get(16)?,
-        run: row.get(17)?,
-        onset_s: time(row, 18)?,
-        gain: row.get(19)?,
-        size_m: row.get(20)?,
-        quantity: row.get(21)?,
-        peak_m: row.get(22)?,
-        peak_s: some_time(row, 23)?,
-        limit_m: row.get(24)?,
-        detectors: row.get(25)?,
-        evidence: row.get(26)?,
-        advice: row.get(27)?,
-        course: row.get(28)?,
+        number: row.get(21)?,
+        run: row.get(22)?,
+        onset_s: time(row, 23)?,
+        gain: row.get(24)?,
+        size_m: row.get(25)?,
+        peak_s: some_time(row, 26)?,
+        detectors: row.get(27)?,
+        evidence: row.get(28)?,
+        advice: row.get(29)?,
+        course: row.get(30)?,
         revisions: Vec::new(),
         warnings: Vec::new(),
         acts: Vec::new(),

@@ -34,11 +34,25 @@ pub(super) fn alarm(row: &Row<'_>, at: usize) -> rusqlite::Result<Alarm> {
     })
 }
 
+/// The machine, where a cylinder has its number.
+pub(super) const MACHINE: u8 = 0;
+
+/// What the column `cylinder` of an incident has.
+fn column(incident: &Incident) -> u8 {
+    incident.scope.cylinder().unwrap_or(MACHINE)
+}
+
+/// The cylinder of an incident by its column.
+pub(super) fn cylinder(row: &Row<'_>, at: usize) -> rusqlite::Result<Option<u8>> {
+    Ok(Some(row.get(at)?).filter(|number| *number != MACHINE))
+}
+
 /// Writes what became of an incident: its event, its present state and a revision.
 pub(super) fn revise(rows: &Rows<'_>, incident: &Incident) -> rusqlite::Result<()> {
     let text = story::line(incident);
     let facets = Facets {
-        cylinder: Some(incident.cylinder),
+        cylinder: incident.scope.cylinder(),
+        cylinders: incident.scope.cylinders(),
         level: Some(incident.level as u8),
         suspect: Some(incident.suspect.name()),
         incident: None,
@@ -91,7 +105,7 @@ fn known(rows: &Rows<'_>, incident: &Incident) -> rusqlite::Result<Option<(i64, 
         "SELECT id, {ALARM} FROM incidents WHERE number = ? AND cylinder = ? AND begin_ns = ?
              AND condition = 'interrupted' AND run < ? ORDER BY id DESC LIMIT 1"
     );
-    let (number, cylinder) = (incident.number, incident.cylinder);
+    let (number, cylinder) = (incident.number, column(incident));
     let by = params![number, cylinder, incident.begin.as_nanos(), rows.run];
     rows.step.query_row(&left, by, found).optional()
 }
@@ -103,17 +117,19 @@ fn put(rows: &Rows<'_>, id: i64, incident: &Incident) -> rusqlite::Result<()> {
     rows.step.execute(
         "INSERT INTO incidents (id, run, number, cylinder, begin_ns, onset_ns, end_ns, ending,
              condition, acknowledged, active, listed, level, suspect, fault, gain, size_m,
-             quantity, peak_m, peak_ns, limit_m, detectors, evidence, advice, course)
+             quantity, peak_m, peak_ns, limit_m, detectors, evidence, advice, course, named_ns,
+             named_by_its_end)
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, 'active', 0, 1, 1, ?9, ?10, ?11, ?12, ?13, ?14,
-             ?15, ?16, ?17, ?18, ?19, ?20, ?21)
+             ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23)
          ON CONFLICT DO UPDATE SET run = ?2, onset_ns = ?6, end_ns = ?7, ending = ?8, level = ?9,
              suspect = ?10, fault = ?11, gain = ?12, size_m = ?13, quantity = ?14, peak_m = ?15,
-             peak_ns = ?16, limit_m = ?17, detectors = ?18, evidence = ?19, advice = ?20, course = ?21",
+             peak_ns = ?16, limit_m = ?17, detectors = ?18, evidence = ?19, advice = ?20, course = ?21,
+             named_ns = ?22, named_by_its_end = ?23",
         params![
             id,
             rows.run,
             incident.number,
-            incident.cylinder,
+            column(incident),
             incident.begin.as_nanos(),
             incident.onset.as_nanos(),
             incident.end.map(|(at, _)| at.as_nanos()),
@@ -131,6 +147,8 @@ fn put(rows: &Rows<'_>, id: i64, incident: &Incident) -> rusqlite::Result<()> {
             story::evidence(incident),
             story::advice(incident),
             story::ending(incident),
+            incident.named.map(|it| it.at.as_nanos()),
+            incident.named.map(|it| it.by_its_end),
         ],
     )?;
     Ok(())
@@ -197,7 +215,7 @@ pub(super) fn interrupt(rows: &Rows<'_>, at: Timestamp) -> rusqlite::Result<()> 
 /// Does what a person did, unless it means nothing.
 pub(super) fn act(rows: &Rows<'_>, act: &AlarmAct) -> rusqlite::Result<Result<(), ActError>> {
     let sql = format!("SELECT cylinder, suspect, {ALARM} FROM incidents WHERE id = ?");
-    let found = |row: &Row<'_>| Ok((row.get(0)?, row.get::<_, String>(1)?, alarm(row, 2)?));
+    let found = |row: &Row<'_>| Ok((cylinder(row, 0)?, row.get::<_, String>(1)?, alarm(row, 2)?));
     let found = rows.step.query_row(&sql, [act.incident], found).optional()?;
     let Some((cylinder, _, before)) = found else { return Ok(Err(ActError::Unknown)) };
     let after = match before.act(act.kind, act.at) {
@@ -227,7 +245,7 @@ pub(super) fn act(rows: &Rows<'_>, act: &AlarmAct) -> rusqlite::Result<Result<()
     };
     let text = if note.is_empty() { text } else { format!("{text}: {note}") };
     let level = Some(before.level as u8);
-    let facets = Facets { cylinder: Some(cylinder), level, suspect: None, incident: Some(id) };
+    let facets = Facets { cylinder, level, incident: Some(id), ..Facets::default() };
     let event = rows.put((EventKind::Act, act.at), facets, &text)?;
     rows.step.execute(
         "INSERT INTO acts VALUES (?, ?, ?, ?, ?, ?, ?)",

@@ -8,6 +8,7 @@ pub use super::entries::{
     ActEntry, AlarmEntry, EventEntry, HourEntry, IncidentFields, IncidentPage, Revision, StopEntry,
     WarningEntry,
 };
+use super::incident_rows::MACHINE;
 use super::query::Filter;
 use super::schema;
 use super::trouble::Trouble;
@@ -165,12 +166,12 @@ impl StoreReader {
     /// The store cannot be read.
     pub fn incident(&self, id: i64, now: Timestamp) -> Result<Option<IncidentPage>, Trouble> {
         let sql = format!(
-            "SELECT {ALARM_COLUMNS}, number, i.run, onset_ns, gain, size_m, quantity, peak_m, peak_ns,
-                 limit_m, detectors, evidence, advice, course, i.begin_ns
+            "SELECT {ALARM_COLUMNS}, number, i.run, onset_ns, gain, size_m, peak_ns, detectors,
+                 evidence, advice, course, i.begin_ns
              FROM incidents i JOIN events e ON e.id = i.id WHERE i.id = ?"
         );
         let found = |row: &Row<'_>| {
-            Ok((incident_page(row, now)?, row.get::<_, i64>(29)?, row.get::<_, i64>(17)?))
+            Ok((incident_page(row, now)?, row.get::<_, i64>(31)?, row.get::<_, i64>(22)?))
         };
         let Some((mut page, begin, run)) = self.0.query_row(&sql, [id], found).optional()? else {
             return Ok(None);
@@ -198,10 +199,10 @@ impl StoreReader {
             &format!(
                 "SELECT at_ns, detector, state, fault, suspect, level, residual_m, threshold_m,
                      evidence_nats, device FROM warnings
-                 WHERE run = ? AND cylinder = ? AND at_ns BETWEEN ? AND ?
+                 WHERE run = ? AND ? IN (0, cylinder) AND at_ns BETWEEN ? AND ?
                  ORDER BY at_ns, id LIMIT {ROWS}"
             ),
-            params![run, page.alarm.cylinder, begin, end.unwrap_or(i64::MAX)],
+            params![run, page.alarm.cylinder.unwrap_or(MACHINE), begin, end.unwrap_or(i64::MAX)],
             warning_entry,
         )?;
         Ok(Some(page))

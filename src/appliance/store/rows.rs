@@ -6,7 +6,7 @@ use super::incident_rows::{self, revise};
 use super::note::{Event, EventKind, Note};
 use super::plan::Plan;
 use crate::alarm::Warning;
-use crate::incident::Incident;
+use crate::incident::{Cylinders, Incident};
 use crate::monitor::Notice;
 use crate::story;
 use crate::time::Timestamp;
@@ -16,6 +16,8 @@ use rusqlite::{OptionalExtension, Transaction, params};
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Facets {
     pub cylinder: Option<u8>,
+    /// All cylinders that it concerns, where these are others.
+    pub cylinders: Cylinders,
     pub level: Option<u8>,
     pub suspect: Option<&'static str>,
     pub incident: Option<i64>,
@@ -67,7 +69,7 @@ impl Rows<'_> {
         facets: Facets,
         text: &str,
     ) -> rusqlite::Result<i64> {
-        let Facets { cylinder, level, suspect, incident } = facets;
+        let Facets { cylinder, level, suspect, incident, .. } = facets;
         self.step.execute(
             "INSERT INTO events (at_ns, run, kind, cylinder, level, suspect, incident, text)
              VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
@@ -87,7 +89,8 @@ impl Rows<'_> {
         text: &str,
     ) -> rusqlite::Result<()> {
         let mut known = format!("kind{}", compact(kind.name()));
-        known.extend(facets.cylinder.map(|number| format!(" cylinder{number}")));
+        let others = facets.cylinders.numbers().filter(|number| Some(*number) != facets.cylinder);
+        known.extend(facets.cylinder.into_iter().chain(others).map(|it| format!(" cylinder{it}")));
         known.extend(facets.level.map(|level| format!(" level{level}")));
         known.extend(facets.suspect.map(|suspect| format!(" suspect{suspect}")));
         self.step.execute(

@@ -2,7 +2,7 @@
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Detector, Finding, Level, State, Warning};
-use crate::incident::{Ending, Excursion, Incident, Part, Progress};
+use crate::incident::{Ending, Excursion, Incident, Naming, Outset, Part, Progress, Scope};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
@@ -46,19 +46,23 @@ pub(super) fn incident(number: u32) -> Incident {
     let peak = Excursion { value: 1.2e-3, at: begin };
     Incident {
         number,
-        cylinder: 1 + (number % 6) as u8,
+        scope: Scope::Cylinder(1 + (number % 6) as u8),
         progress: Progress::Opened,
         timestamp: begin,
         begin,
         onset: begin,
         end: None,
         suspect: Suspect::C1,
+        named: Some(Naming { at: begin, by_its_end: false }),
         fault: Fault::Abrupt,
         gain: None,
         size: Some(1.21e-3),
+        parted: None,
         level: Level::Yellow,
         parts,
         peaks: [Some(peak), None, None, None],
+        now: [Some(1.2e-3), None, None, None],
+        outset: Outset { judged: [true, false, false], elsewhere: [false; 3] },
         limits: [1e-3, 1e-3, 1.5e-3, 0.05],
     }
 }

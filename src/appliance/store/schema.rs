@@ -20,7 +20,7 @@ const SETTINGS: &str = "PRAGMA cache_size = -1024; PRAGMA synchronous = FULL; \
 
 /// SQL that turns each version into the next; version 0 is an empty file. What has been released is never
 /// changed: another version follows.
-pub const MIGRATIONS: [&str; 2] = [V1, V2];
+pub const MIGRATIONS: [&str; 3] = [V1, V2, V3];
 
 /// Times are nanoseconds since 1970, of frames where a frame is behind it, otherwise of the system. Lengths are
 /// metres. An incident has the number of its event.
@@ -121,6 +121,12 @@ END;
 CREATE TRIGGER news_gone AFTER DELETE ON events BEGIN
     DELETE FROM news WHERE event = old.id;
 END;
+";
+
+/// When the suspect of an incident was named, and whether by the end of the fault.
+const V3: &str = "
+ALTER TABLE incidents ADD COLUMN named_ns INTEGER;
+ALTER TABLE incidents ADD COLUMN named_by_its_end INTEGER;
 ";
 
 /// Opens the database at `path` to write, makes it where there is none, and brings an older one up to date. It

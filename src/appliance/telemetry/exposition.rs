@@ -218,12 +218,15 @@ impl View {
         for (number, cylinder) in self.numbered() {
             count(&mut family, &[("cylinder", number)], &cylinder.incidents.opened)?;
         }
+        count(&mut family, &[("cylinder", "machine")], &self.telemetry.shared.opened)?;
         let help = "Incidents that are not closed.";
         let mut family = out.family("incidents_open", help, None, MetricType::Gauge)?;
         for (number, cylinder) in self.numbered() {
-            let open = cylinder.incidents.open(0).count() as f64;
+            let open = cylinder.incidents.slots().count() as f64;
             family.encode_family(&[("cylinder", number)])?.encode_gauge(&open)?;
         }
+        let open = self.telemetry.shared.slots().count() as f64;
+        family.encode_family(&[("cylinder", "machine")])?.encode_gauge(&open)?;
         let standing = f64::from(self.telemetry.standing.load(Ordering::Relaxed));
         out.gauge("warnings_standing", "Standing warnings.", Some(standing))?;
         let help = "The highest level of the standing warnings: 0 none, 1 yellow, 2 orange, \

@@ -73,7 +73,7 @@ impl Telemetry {
             bus: if self.is_open() { "open" } else { "closed" },
             controller: self.link.state.get().and_then(|state| name(&CONTROLLER_STATES, state)),
             level: name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none"),
-            incidents: self.incidents(),
+            incidents: self.incidents(now),
             warnings_standing: self.standing.load(Ordering::Relaxed),
             seconds_since_turn: self.since_turn(now).map(|time| time.as_secs_f64()),
             seconds_since_frame: self.since_frame(now).map(|time| time.as_secs_f64()),
@@ -88,7 +88,7 @@ impl Telemetry {
         let standing = self.standing.load(Ordering::Relaxed);
         let mode = self.mode.get();
         if standing > 0 {
-            return (Condition::Degraded, self.trouble(standing));
+            return (Condition::Degraded, self.trouble(standing, now));
         }
         if let Some(reason) = self.silence(now) {
             return (Condition::Unknown, reason);
@@ -110,8 +110,8 @@ impl Telemetry {
     }
 
     /// What is wrong with the machine, where `standing` warnings stand.
-    fn trouble(&self, standing: u32) -> String {
-        if let [worst, others @ ..] = &self.incidents()[..] {
+    fn trouble(&self, standing: u32, now: Duration) -> String {
+        if let [worst, others @ ..] = &self.incidents(now)[..] {
             return match others.len() {
                 0 => worst.summary.clone(),
                 more => format!("{}; and {more} more", worst.summary),

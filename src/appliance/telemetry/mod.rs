@@ -25,12 +25,12 @@ pub mod trend;
 
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::bus::socket::{ControllerState, LinkState};
-use crate::incident::QUANTITIES;
+use crate::incident::{QUANTITIES, Quantity};
 use crate::time::Timestamp;
 use cell::{Gauge, Histogram, State, Total};
 use clock::Clock;
 use incidents::Incidents;
-pub use incidents::{OpenIncident, OpenSlot};
+pub use incidents::{OpenIncident, OpenSlot, OpenWorst};
 use peers::Peers;
 pub use recorder::Recorder;
 use serde::Serialize;
@@ -67,6 +67,8 @@ const NO_STATE: i64 = i64::MIN;
 struct Cylinder {
     /// Newest |R1|, |R2| and |R3|, m.
     residuals: [Gauge; 3],
+    /// Newest |C1 − C2| as measured, m.
+    measured: Gauge,
     sizes: [Histogram; 3],
     raised: [Total; DETECTORS],
     /// State ([`Health`]) of C1 and C2.
@@ -85,6 +87,7 @@ impl Cylinder {
     fn new() -> Self {
         Self {
             residuals: Default::default(),
+            measured: Gauge::default(),
             sizes: std::array::from_fn(|_| Histogram::new(&RESIDUAL_BOUNDS)),
             raised: Default::default(),
             transducers: Default::default(),
@@ -95,6 +98,12 @@ impl Cylinder {
             stop: Stop::default(),
             incidents: Incidents::default(),
         }
+    }
+
+    /// Absolute values of the quantities in the newest cycle, m.
+    fn quantities(&self) -> [Option<f64>; QUANTITIES] {
+        let [r1, r2, r3] = self.residuals.each_ref().map(Gauge::get);
+        [r1, r2, r3, self.measured.get()]
     }
 }
 
@@ -138,6 +147,8 @@ pub struct Telemetry {
     started: Timestamp,
     totals: Totals,
     cylinders: [Cylinder; MAX_CYLINDERS],
+    /// The incidents of the machine.
+    shared: Incidents,
     /// Number of cylinders that the machine has.
     used: AtomicU8,
     /// Whether a port is open.
@@ -169,6 +180,7 @@ impl Telemetry {
             started: clock.system(),
             totals: Totals::default(),
             cylinders: std::array::from_fn(|_| Cylinder::new()),
+            shared: Incidents::default(),
             used: AtomicU8::new(0),
             open: AtomicBool::new(false),
             mode: State::default(),
@@ -237,11 +249,23 @@ impl Telemetry {
         &self.cylinders[..used.min(MAX_CYLINDERS)]
     }
 
-    /// The incidents that are not closed, the worst first.
-    fn incidents(&self) -> Vec<OpenIncident> {
-        let cylinders = (1..).zip(self.cylinders());
-        let open = cylinders.flat_map(|(number, cylinder)| cylinder.incidents.open(number));
-        let mut open: Vec<OpenIncident> = open.collect();
+    /// Absolute value of the quantity of that name of the cylinder `number` (from 1) in the newest cycle, m; `None` where it
+    /// is not known at the uptime `now`.
+    pub fn newest(&self, number: usize, quantity: &str, now: Duration) -> Option<f64> {
+        let cylinder = self.cylinders().get(number.checked_sub(1)?)?;
+        let place = Quantity::ALL.into_iter().position(|it| it.name() == quantity)?;
+        cylinder.quantities()[place].filter(|_| self.has_evidence(now))
+    }
+
+    /// The incidents that are not closed, the worst first, at the uptime `now`.
+    fn incidents(&self, now: Duration) -> Vec<OpenIncident> {
+        let evidence = self.has_evidence(now);
+        let open = (1..).zip(self.cylinders()).flat_map(|(number, cylinder)| {
+            let quantities = cylinder.quantities().map(|value| value.filter(|_| evidence));
+            cylinder.incidents.open(number, quantities)
+        });
+        let shared = self.shared.open(0, [None; QUANTITIES]);
+        let mut open: Vec<OpenIncident> = open.chain(shared).collect();
         let level =
             |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);
         open.sort_by_key(|it| (std::cmp::Reverse(level(it)), it.number));
@@ -292,6 +316,7 @@ impl Telemetry {
     fn forget_evidence(&self) {
         for cylinder in &self.cylinders {
             cylinder.residuals.iter().for_each(|residual| residual.set(None));
+            cylinder.measured.set(None);
             let transducers = cylinder.transducers.iter();
             let fitted = transducers.filter(|it| it.get() != Some(Health::NotFitted as u8));
             fitted.for_each(|transducer| transducer.set(Some(Health::Unknown as u8)));

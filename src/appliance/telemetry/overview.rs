@@ -141,11 +141,15 @@ fn words(
 ) -> String {
     let incident = |suspects: &[&str]| {
         let mut incidents = health.incidents.iter();
-        let of = |it: &&OpenIncident| it.cylinder == cylinder && suspects.contains(&it.suspect);
+        let of = |it: &&OpenIncident| it.concerns(cylinder) && suspects.contains(&it.suspect);
         incidents.find(of).map(|it| it.kind)
     };
+    let in_common = || {
+        let mut incidents = health.incidents.iter();
+        incidents.find(|it| it.cylinder.is_none() && it.concerns(cylinder)).map(|it| it.kind)
+    };
     let reason = match lamp {
-        Lamp::Failure => incident(&[transducer]).unwrap_or_default(),
+        Lamp::Failure => incident(&[transducer]).or_else(in_common).unwrap_or_default(),
         // The evidence of an incident may name one when the newest warning names neither.
         Lamp::OutOfSpecification => match incident(&[transducer]) {
             Some(kind) => kind,
@@ -197,13 +201,13 @@ mod tests {
         let mut health = telemetry.health(Duration::ZERO);
         health.incidents = vec![OpenIncident {
             number: 1,
-            cylinder: 2,
+            cylinder: Some(2),
+            cylinders: Vec::new(),
             suspect,
             level: "yellow",
             fault: "abrupt",
             kind: "step",
-            begin: 0.0,
-            summary: String::new(),
+            ..OpenIncident::default()
         }];
         TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), false, &health))
     }

@@ -217,6 +217,7 @@ mod tests {
     use super::*;
     use crate::appliance::telemetry::OpenSlot;
     use crate::appliance::telemetry::health::Condition;
+    use crate::incident::Cylinders;
 
     /// Nothing of a machine that nobody has heard is known, but what the gateway knows of itself.
     #[test]
@@ -269,8 +270,17 @@ mod tests {
         for (place, fault) in (0..).zip(Fault::ALL) {
             let begin = Timestamp::from_nanos(5);
             let (level, suspect) = (crate::alarm::Level::Red, Suspect::C2);
-            now.cylinders[0].incident =
-                Some(OpenSlot { number: 7, level, suspect, fault, is_alone: false, begin });
+            now.cylinders[0].incident = Some(OpenSlot {
+                number: 7,
+                cylinders: Cylinders::NONE,
+                level,
+                suspect,
+                fault,
+                is_alone: false,
+                begin,
+                named: None,
+                worst: None,
+            });
             let points = Points::new(&now);
             let found = |name: &str| {
                 let named = |it: &&Point| it.name == format!("cylinder_1_{name}");

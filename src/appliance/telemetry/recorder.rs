@@ -73,6 +73,8 @@ impl Recorder {
                 cylinder.sizes[i].observe(size);
             }
         }
+        let apart = record.c1.zip(record.c2).map(|(c1, c2)| (c1 - c2).abs());
+        cylinder.measured.set(apart.filter(|apart| apart.is_finite()));
         self.filling[index].record(record, &cylinder.trend);
     }
 
@@ -118,8 +120,10 @@ impl Recorder {
 
     /// Takes an incident that was opened, revised or closed.
     pub fn incident(&mut self, incident: &Incident) {
-        let index = usize::from(incident.cylinder).wrapping_sub(1);
-        if let Some(cylinder) = self.telemetry.cylinders.get(index) {
+        let Some(number) = incident.scope.cylinder() else {
+            return self.telemetry.shared.take(incident);
+        };
+        if let Some(cylinder) = self.telemetry.cylinders.get(usize::from(number).wrapping_sub(1)) {
             cylinder.incidents.take(incident);
         }
     }
@@ -202,6 +206,7 @@ impl Recorder {
         telemetry.publish(&Status::default());
         telemetry.forget_evidence();
         telemetry.cylinders.iter().for_each(|cylinder| cylinder.incidents.clear());
+        telemetry.shared.clear();
         telemetry.open.store(false, Ordering::Relaxed);
         (self.outbox, self.monitor) = (OutboxCounts::default(), Counts::default());
         self.status_at = None;

@@ -35,6 +35,8 @@ pub struct Snapshot {
     /// Identities of the configuration and of the calibration in it.
     pub identity: Option<u32>,
     pub calibration: Option<u32>,
+    /// Open incidents of the machine.
+    pub shared: Vec<OpenSlot>,
     pub cylinders: Vec<CylinderSnapshot>,
 }
 
@@ -49,9 +51,9 @@ pub struct CylinderSnapshot {
     /// Estimated length and its standard deviation, m.
     pub estimate: Option<f64>,
     pub sigma: Option<f64>,
-    /// The worst of its open incidents.
+    /// The worst of its open incidents and of those of the machine that concern it.
     pub incident: Option<OpenSlot>,
-    /// All of them.
+    /// Its own open incidents.
     pub open: Vec<OpenSlot>,
     /// Warnings raised since the gateway's start, by the detectors' order.
     pub raised: [u64; DETECTORS],
@@ -83,6 +85,7 @@ impl Snapshot {
             has_evidence: false,
             identity: None,
             calibration: None,
+            shared: Vec::new(),
             cylinders: vec![cylinder; cylinders],
         }
     }
@@ -95,13 +98,17 @@ impl Telemetry {
         let evidence = self.has_evidence(now);
         let facts = self.facts();
         let platform = Some(self.platform.load(Ordering::Relaxed)).filter(|_| evidence);
+        let shared: Vec<OpenSlot> = self.shared.slots().collect();
         let of = |(number, cylinder): (usize, &Cylinder)| {
             let drifts = |which: usize| {
                 let name = super::exposition::TRANSDUCERS[which];
                 let is = |it: &Drifting| it.cylinder == number && it.transducer == name;
                 health.drifting.iter().any(is)
             };
-            cylinder.snapshot(evidence, [drifts(0), drifts(1)])
+            let own = cylinder.snapshot(evidence, [drifts(0), drifts(1)]);
+            let concerned = shared.iter().filter(|it| it.cylinders.has(number)).copied();
+            let worst = own.incident.into_iter().chain(concerned);
+            CylinderSnapshot { incident: worst.max_by_key(|it| (it.level, it.number)), ..own }
         };
         Snapshot {
             uptime: now,
@@ -117,6 +124,7 @@ impl Telemetry {
             identity: u32::from_str_radix(&facts.identity, 16).ok(),
             calibration: facts.calibration.as_ref().and_then(|it| u32::from_str_radix(it, 16).ok()),
             cylinders: (1..).zip(self.cylinders()).map(of).collect(),
+            shared,
         }
     }
 }

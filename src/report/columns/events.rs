@@ -136,9 +136,11 @@ impl TableRow for IncidentRow {
         "t", "s", Number, "the same since the first frame of all", |it| it.since(it.incident.timestamp);
         "incident", "", Count, "number, from 1 in a run", |it| Some(it.incident.number.into());
         "state", "", Text, "opened, revised, closed, standing", |it| word(it.incident.progress.name());
-        "cylinder", "", Count, "from 1", |it| Some(it.incident.cylinder.into());
+        "cylinder", "", Count, "from 1; none for the machine", |it| it.incident.scope.cylinder().map(Into::into);
         "level", "", Text, "the highest that it reached", |it| word(it.incident.level.name());
         "suspect", "", Text, "undecided, c1, c2, process", |it| word(it.incident.suspect.name());
+        "named", "ns since 1970, UTC", Time, "when that suspect was first named", |it| it.incident.named.map(|it| it.at);
+        "named_by_its_end", "", Truth, "whether the end of the fault named it", |it| it.incident.named.map(|it| it.by_its_end);
         "fault", "", Text, "the kind of fault", |it| word(it.incident.fault.name());
         "shape", "", Text, "scale, where it is a gain that is off", |it| it.incident.gain.and(word("scale"));
         "gain_percent", "%", Number, "how far C1's gain is off from C2's", |it| it.incident.gain.map(|it| 100.0 * it);
@@ -147,10 +149,11 @@ impl TableRow for IncidentRow {
         "end", "ns since 1970, UTC", Time, "when it was over", |it| it.incident.end.map(|(at, _)| at);
         "ending", "", Text, "returned, quiet, cut", |it| it.incident.end.and_then(|(_, how)| word(how.name()));
         "size", "m", Number, "of a step or a drift", |it| it.incident.size;
-        "quantity", "", Text, "which residual says best how bad it is", |it| it.worst().and_then(|(it, _)| word(it.name()));
+        "quantity", "", Text, "which residual was largest against its limit", |it| it.worst().and_then(|(it, _)| word(it.name()));
         "peak", "m", Number, "the largest value of that residual", |it| it.worst().map(|(_, peak)| peak.value);
         "peak_at", "ns since 1970, UTC", Time, "when it was", |it| it.worst().map(|(_, peak)| peak.at);
         "limit", "m", Number, "its limit", |it| it.worst().map(|(quantity, _)| it.incident.limits[quantity as usize]);
+        "now", "m", Number, "the newest value of that residual at the time of this report", |it| it.incident.worst_now();
         "peak_r1", "m", Number, "the largest R1", |it| it.peak(Quantity::R1);
         "peak_r2", "m", Number, "the largest R2", |it| it.peak(Quantity::R2);
         "peak_r3", "m", Number, "the largest R3", |it| it.peak(Quantity::R3);

@@ -2,7 +2,7 @@
 
 use super::{Digits, digits, write_line};
 use crate::alarm::register::DETECTORS;
-use crate::incident::{Incident, Quantity};
+use crate::incident::{Incident, Quantity, Scope};
 use crate::story;
 use crate::time::Timestamp;
 use serde::Serialize;
@@ -16,9 +16,14 @@ struct IncidentLine<'a> {
     timestamp: Digits,
     incident: u32,
     state: &'static str,
-    cylinder: u8,
+    /// `null` for what is the machine's; then `cylinders` has those that it concerns.
+    cylinder: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cylinders: Option<Vec<u8>>,
     level: &'static str,
     suspect: &'static str,
+    named: Option<Digits>,
+    named_by_its_end: Option<bool>,
     fault: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     shape: Option<&'static str>,
@@ -33,6 +38,7 @@ struct IncidentLine<'a> {
     peak: Option<f64>,
     peak_at: Option<Digits>,
     limit: Option<f64>,
+    now: Option<f64>,
     peaks: BTreeMap<&'static str, f64>,
     detectors: Vec<DetectorFields>,
     summary: &'a str,
@@ -73,9 +79,15 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
             timestamp: digits(incident.timestamp),
             incident: incident.number,
             state: incident.progress.name(),
-            cylinder: incident.cylinder,
+            cylinder: incident.scope.cylinder(),
+            cylinders: match incident.scope {
+                Scope::Cylinder(_) => None,
+                Scope::Machine(cylinders) => Some(cylinders.numbers().collect()),
+            },
             level: incident.level.name(),
             suspect: incident.suspect.name(),
+            named: incident.named.map(|it| since(it.at)),
+            named_by_its_end: incident.named.map(|it| it.by_its_end),
             fault: incident.fault.name(),
             shape: incident.gain.map(|_| "scale"),
             gain_percent: incident.gain.map(|gain| 100.0 * gain),
@@ -88,6 +100,7 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
             peak: worst.map(|(_, peak)| peak.value),
             peak_at: worst.map(|(_, peak)| since(peak.at)),
             limit: worst.map(|(quantity, _)| incident.limits[quantity as usize]),
+            now: incident.worst_now(),
             peaks: peaks
                 .filter_map(|(quantity, peak)| Some((quantity.name(), peak?.value)))
                 .collect(),

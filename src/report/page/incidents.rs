@@ -58,7 +58,7 @@ pub fn section(
 fn is_of(incident: &Incident, order: usize, summary: &Summary<'_>) -> bool {
     let Some(episode) = summary.episodes.kept().get(order) else { return false };
     let until = incident.end.map(|(at, _)| at);
-    episode.cylinder == incident.cylinder
+    incident.scope.has(episode.cylinder.into())
         && episode.raised >= incident.begin
         && until.is_none_or(|until| episode.raised <= until)
         && story::detectors(incident).contains(&episode.detector)
@@ -96,13 +96,13 @@ fn table(page: &mut Page, heading: &Heading<'_>, incidents: &[&Incident]) {
     }
     html += "</tr></thead>\n<tbody>\n";
     for incident in incidents {
-        let [at, cylinder, suspect, _, what, off, lasted] =
+        let [at, cylinder, suspect, _, what, largest, lasted] =
             wording::incident_row(heading.zone, incident).map(|cell| escaped(&cell));
         let (number, badge) = (incident.number, badge(incident.level));
         _ = writeln!(
             html,
             "<tr><td>{at}</td><td class=\"n\">{cylinder}</td><td>{suspect}</td><td>{badge}</td>\
-             <td><a href=\"#incident-{number}\">{what}</a></td><td class=\"n\">{off}</td>\
+             <td><a href=\"#incident-{number}\">{what}</a></td><td class=\"n\">{largest}</td>\
              <td class=\"n\">{lasted}</td></tr>"
         );
     }

@@ -64,8 +64,9 @@ impl Told {
         onset: Timestamp,
         end: Timestamp,
     ) -> Self {
-        let of =
-            |it: &&Incident| it.cylinder == cylinder && it.begin >= onset && it.timestamp <= end;
+        let of = |it: &&Incident| {
+            it.scope.has(cylinder.into()) && it.begin >= onset && it.timestamp <= end
+        };
         let count = incidents.iter().filter(of).filter(|it| it.progress == Progress::Opened);
         let count = count.count() as u32;
         let first = incidents.iter().find(of).map(|it| it.number);

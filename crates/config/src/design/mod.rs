@@ -16,6 +16,7 @@ pub use flaw::Flaw;
 use super::settings::{CylinderSignals, Settings};
 use super::text::bus_of;
 use flaw::once_per_key;
+use tertius_core::alarm::Deadlines;
 use tertius_core::compare::Comparator;
 use tertius_core::frame::BusNumber;
 use tertius_core::monitor::cylinder::CylinderDesign;
@@ -198,6 +199,7 @@ impl<'a> Connector<'a> {
             limits: [first, second],
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),
+            deadlines: deadlines(settings),
             coincidence: settings.cycles(settings.alarm.coincidence),
             clear,
         })
@@ -389,4 +391,9 @@ impl<'a> Connector<'a> {
             ));
         }
     }
+}
+
+/// Times to a limit at which an alarm is of another level.
+const fn deadlines(settings: &Settings) -> Deadlines {
+    Deadlines { soon: settings.alarm.soon, at_once: settings.alarm.at_once }
 }

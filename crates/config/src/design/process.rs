@@ -1,6 +1,6 @@
 //! From the fitted tables to the process detectors.
 
-use super::{Connector, Flaw};
+use super::{Connector, Flaw, deadlines};
 use crate::settings::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,
 };
@@ -67,6 +67,11 @@ impl Connector<'_> {
                 deviation: deviation.max(ProcessParameters::DEFAULT.supply_deviation),
                 dependence: [mean_dependence; 2],
             },
+            least: settings
+                .process
+                .least_supply
+                .unwrap_or(ProcessParameters::DEFAULT.supply_least * reference),
+            deadlines: deadlines(settings),
             level: settings.process_level(),
             sample_time: settings.machine.sample_time,
             clear: settings.warning_cycles(),

@@ -92,6 +92,10 @@ table! {
             "1.0", "a warning clears after its residual stayed below the lower threshold this long, s";
         coincidence: f64 = 0.2 => number(Limits::least(0.0, DURATION).most(3600.0)),
             "0.2", "FDEs that raise within this time of each other saw the same event, s";
+        soon: f64 = 60.0 => number(Limits::least(0.0, DURATION).most(3600.0)),
+            "60.0", "C1 - C2 that reaches comparator.critical within this time at its present rate, or a supply that no longer carries the load, has the level alarm.levels.soon, s";
+        at_once: f64 = 5.0 => number(Limits::least(0.0, DURATION).most(3600.0)),
+            "5.0", "the same with the level alarm.levels.at_once, s";
         levels: Levels as LevelsTable = Levels::default() => Kind::Table(&LEVELS),
             "", "which finding has which level of Table 2-1";
     }

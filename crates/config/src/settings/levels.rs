@@ -21,6 +21,10 @@ table! {
             "\"orange\"", "a reading is stale, out of range, frozen or has a broken wire";
         both: Level as LevelName = Levels::default().both => level(),
             "\"black\"", "neither transducer can be relied on";
+        soon: Level as LevelName = Levels::default().soon => level(),
+            "\"orange\"", "the machine trips, or the supply no longer carries the load, within alarm.soon";
+        at_once: Level as LevelName = Levels::default().at_once => level(),
+            "\"red\"", "the same within alarm.at_once";
         critical: Level as LevelName = Levels::default().critical => level(),
             "\"black\"", "the measured C1 - C2 beyond the critical limit";
     }
@@ -28,8 +32,9 @@ table! {
 
 impl From<LevelsTable> for Levels {
     fn from(table: LevelsTable) -> Self {
-        let LevelsTable { located, undecided, process, implausible, both, critical } = table;
-        Self { located, undecided, process, implausible, both, critical }
+        let LevelsTable { located, undecided, process, implausible, both, soon, at_once, critical } =
+            table;
+        Self { located, undecided, process, implausible, both, soon, at_once, critical }
     }
 }
 

@@ -16,6 +16,10 @@ table! {
             "26.0",
             "the level of the process detectors of all cylinders, nats; absent: by \
              sequential.false_alarms_per_year";
+        least_supply: Option<f64> = None => number(Limits::above(0.0, FITTED)),
+            "100.0",
+            "the supply's pressure below which it no longer carries the load, bar, which tells how long an \
+             accumulator lasts; absent: 0.4 of supply.reference";
         supply: Option<SupplyTable> = None => Kind::Table(&SUPPLY),
             "", "what the supply's pressure does by what all rods take";
     }

@@ -48,6 +48,10 @@ pub struct Levels {
     pub implausible: Level,
     /// Level where neither transducer of a cylinder can be relied on.
     pub both: Level,
+    /// Level where the machine trips, or the supply no longer carries the load, within [`super::Deadlines::soon`].
+    pub soon: Level,
+    /// The same within [`super::Deadlines::at_once`].
+    pub at_once: Level,
     /// Level of a measured C1 − C2 beyond the critical limit, where the machine itself trips.
     pub critical: Level,
 }
@@ -60,6 +64,8 @@ impl Default for Levels {
             process: Level::Yellow,
             implausible: Level::Orange,
             both: Level::Black,
+            soon: Level::Orange,
+            at_once: Level::Red,
             critical: Level::Black,
         }
     }

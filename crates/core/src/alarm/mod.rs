@@ -1,5 +1,6 @@
 //! Turns verdicts into warnings, and warnings into the gateway's own frames.
 
+pub mod approach;
 pub mod detector;
 pub mod e2e;
 pub mod frames;
@@ -10,6 +11,7 @@ pub mod services;
 pub mod status;
 pub mod warning;
 
+pub use approach::{Approach, Deadlines, Urgency};
 pub use detector::Detector;
 pub use frames::Encoder;
 pub use level::{Level, Levels};

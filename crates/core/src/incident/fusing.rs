@@ -3,9 +3,9 @@
 //! Facts about a reading come first, then the evidence of many samples, then the difference, then spool and pressures,
 //! then the observers in the order in which they were raised. A detector that has not decided says nothing here.
 
-use super::{Incident, Part};
+use super::{Incident, Naming, Part};
 use crate::alarm::detector::WarningPlace;
-use crate::time::Span;
+use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
 /// Places of facts about a reading.
@@ -26,9 +26,9 @@ const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 const ONSET: Span = Span::from_nanos(500_000_000);
 
 impl Incident {
-    /// Sums up the parts: suspect, kind, size and onset.
-    pub(super) fn fuse(&mut self) {
-        self.suspect = self.fused_suspect();
+    /// Sums up the parts after a warning at `at`: suspect, kind, size and onset.
+    pub(super) fn fuse(&mut self, at: Timestamp) {
+        self.name(self.naming_part().map_or(Suspect::Undecided, |(_, suspect)| suspect), at);
         let sequential = self.part(WarningPlace::Sequential).map(|part| part.finding);
         let evidence = sequential.and_then(|finding| finding.evidence);
         self.gain = evidence.and_then(|evidence| evidence.gain);
@@ -37,20 +37,37 @@ impl Incident {
         self.size = sequential.and_then(|finding| finding.residual).or_else(|| self.step());
     }
 
-    fn observers(&self) -> [Option<&Part>; 2] {
-        let [mut first, mut second] = OBSERVERS.map(|place| self.part(place));
-        let is_later = |a: &Part, b: &Part| a.raised > b.raised;
-        if first.zip(second).is_some_and(|(a, b)| is_later(a, b)) {
-            core::mem::swap(&mut first, &mut second);
+    /// Takes the cycle of its newest warning, in which R3 was `difference`: by how much the readings have parted.
+    pub(super) fn part_by(&mut self, difference: Option<f64>, at: Timestamp) {
+        let is_first = self.part(WarningPlace::Fde3).is_some_and(|part| part.raised == at);
+        if is_first && self.parted.is_none() {
+            self.parted = difference;
+            self.fuse(at);
         }
-        [first, second]
     }
 
-    fn fused_suspect(&self) -> Suspect {
-        let before = FACTS.into_iter().chain(BEFORE_OBSERVERS).map(|place| self.part(place));
-        let parts = before.chain(self.observers()).flatten();
-        let mut suspects = parts.map(|part| part.finding.suspect);
-        suspects.find(|suspect| *suspect != Suspect::Undecided).unwrap_or_default()
+    fn name(&mut self, suspect: Suspect, at: Timestamp) {
+        if suspect != self.suspect {
+            let named = Naming { at, by_its_end: false };
+            (self.suspect, self.named) =
+                (suspect, Some(named).filter(|_| suspect != Suspect::Undecided));
+        }
+    }
+
+    /// The observers, that which was raised first before the other.
+    fn observers(&self) -> [WarningPlace; 2] {
+        let [first, second] = OBSERVERS;
+        let raised = |place: WarningPlace| self.part(place).map(|part| part.raised);
+        let swapped = raised(first).zip(raised(second)).is_some_and(|(a, b)| a > b);
+        if swapped { [second, first] } else { [first, second] }
+    }
+
+    /// The detector that is listened to, and whom it suspects; `None` while none has decided.
+    pub(super) fn naming_part(&self) -> Option<(WarningPlace, Suspect)> {
+        let places = FACTS.into_iter().chain(BEFORE_OBSERVERS).chain(self.observers());
+        let mut suspects =
+            places.filter_map(|place| Some((place, self.part(place)?.finding.suspect)));
+        suspects.find(|(_, suspect)| *suspect != Suspect::Undecided)
     }
 
     fn fused_fault(&self) -> Fault {
@@ -69,7 +86,8 @@ impl Incident {
         let others = [WarningPlace::Fde3, WarningPlace::Sequential].map(|place| self.part(place));
         let at_onset = |part: &&Part| part.raised.since(self.begin) <= ONSET;
         let named = |part: &&Part| part.finding.fault != Fault::Unclassified;
-        let parts = || [own].into_iter().chain(others).chain(self.observers()).flatten();
+        let observers = self.observers().map(|place| self.part(place));
+        let parts = || [own].into_iter().chain(others).chain(observers).flatten();
         // What is wrong with a cylinder takes as long to tell as it takes.
         if let Some(part) = own.filter(|part| self.suspect == Suspect::Process && named(part)) {
             return part.finding.fault;
@@ -78,7 +96,7 @@ impl Incident {
         by_onset.or_else(|| parts().find(named)).map_or(Fault::Unclassified, |it| it.finding.fault)
     }
 
-    /// Size of a step: the innovation as it was raised, or else the difference.
+    /// Size of a step at its onset: the innovation, or else the difference.
     fn step(&self) -> Option<f64> {
         if self.fault != Fault::Abrupt {
             return None;
@@ -89,6 +107,7 @@ impl Incident {
             Suspect::Undecided | Suspect::Process => WarningPlace::Fde3,
         };
         let at_onset = |part: &&Part| part.raised.since(self.begin) <= ONSET;
-        self.part(place).filter(at_onset)?.finding.residual
+        let residual = self.part(place).filter(at_onset)?.finding.residual;
+        self.parted.filter(|_| place == WarningPlace::Fde3).or(residual)
     }
 }

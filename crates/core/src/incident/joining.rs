@@ -5,9 +5,11 @@
 //! one transducer reaches the other observer through the machine's controller. A fault of the
 //! hydraulics, a command that does not come and readings that have parted are never one incident.
 
+use super::shared::Cause;
+use super::telling::Told;
 use super::{Ending, Incident, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
-use crate::alarm::{Detector, Level, Warning};
+use crate::alarm::{Detector, Warning};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
@@ -33,6 +35,10 @@ const LEFT: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open {
     pub incident: Incident,
+    /// Its place in the order in which incidents begin, over all cylinders.
+    pub order: u32,
+    /// Why it is a part of an incident of the machine, if it is.
+    pub shared: Option<Cause>,
     /// Time of the newest raise or clearing.
     pub newest: Timestamp,
     /// Whether C1 − C2 grew at its begin, where that is known.
@@ -42,19 +48,18 @@ pub(super) struct Open {
     /// Whether the fault was seen to go.
     pub has_returned: bool,
     /// What was told of it.
-    told: Option<Said>,
+    pub told: Option<Told>,
 }
 
-whole! { Open { incident, newest, grew, difference, has_returned, told } }
-
-/// What an incident says that is news to a person when it changes.
-type Said = (Suspect, Fault, [bool; 2], Level);
+whole! { Open { incident, order, shared, newest, grew, difference, has_returned, told } }
 
 impl Open {
-    pub fn new(incident: Incident) -> Self {
+    pub fn new(order: u32, incident: Incident) -> Self {
         Self {
             newest: incident.begin,
             incident,
+            order,
+            shared: None,
             grew: None,
             difference: None,
             has_returned: false,
@@ -152,19 +157,14 @@ impl Open {
         })
     }
 
-    /// The incident as it is told at `at`, if it says something new.
-    pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
-        let Incident { suspect, fault, gain, level, .. } = self.incident;
-        let has_size =
-            self.incident.parts.iter().flatten().any(|part| part.finding.size().is_some());
-        let said = (suspect, fault, [gain.is_some(), has_size], level);
-        let before = self.told.replace(said);
-        if before == Some(said) {
-            return None;
-        }
-        let progress = before.map_or(Progress::Opened, |_| Progress::Revised);
-        (self.incident.progress, self.incident.timestamp) = (progress, at);
-        Some(&self.incident)
+    /// Whether it was told.
+    pub const fn is_told(&self) -> bool {
+        self.told.is_some()
+    }
+
+    /// How it ended, if no warning stands any more.
+    pub const fn ending(&self) -> Ending {
+        if self.has_returned { Ending::Returned } else { Ending::Quiet }
     }
 
     /// The incident as it is over at `at`.

@@ -4,10 +4,15 @@
 //! near their thresholds. A person asks what is wrong, since when, how bad it is and how sure that is. An
 //! [`Incident`] answers: it begins with the first warning, takes in those that belong to it (`joining`), ends
 //! when the last of them has cleared and none came after it, and says what all of them together (`fusing`)
-//! mean.
+//! mean. What most cylinders show in one moment, and what is wrong with the supply that they share, is one incident of
+//! the machine (`shared`).
 
 mod fusing;
 mod joining;
+mod parameters;
+mod scope;
+mod shared;
+mod telling;
 #[cfg(test)]
 mod tests;
 mod tracker;
@@ -17,13 +22,15 @@ use crate::alarm::{Finding, Level};
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
+pub use parameters::IncidentParameters;
+pub use scope::{Cylinders, Scope};
 pub use tracker::{Incidents, MOST_AT_ONCE};
 
 /// What happened to an incident.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     Opened,
-    /// Its suspect, its kind or its level is another one now.
+    /// Its suspect, its kind or its level is another one now, a further detector was raised, or it has grown (`telling`).
     Revised,
     /// It stands at the end of the data.
     Standing,
@@ -112,6 +119,27 @@ pub struct Excursion {
 
 whole! { Excursion { value, at } }
 
+/// When the present suspect of an incident was first named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Naming {
+    pub at: Timestamp,
+    /// Whether it was named by the end of the fault: by the step that took the difference away.
+    pub by_its_end: bool,
+}
+
+whole! { Naming { at, by_its_end } }
+
+/// What the detectors of R1, R2 and R3 did in the cycle in which an incident opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outset {
+    /// Whether each of them judged.
+    pub judged: [bool; 3],
+    /// Whether a warning of each stood already, for another incident.
+    pub elsewhere: [bool; 3],
+}
+
+whole! { Outset { judged, elsewhere } }
+
 /// One detector's share in an incident.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
@@ -133,10 +161,9 @@ whole! { Part { raised, raises, stands, finding, has_cleared } }
 /// What the warnings of a cylinder that have one cause say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
-    /// Number, from 1 in the order of begin, over all cylinders.
+    /// Number, from 1 in the order in which they are told, over all cylinders.
     pub number: u32,
-    /// Cylinder number, counted from 1.
-    pub cylinder: u8,
+    pub scope: Scope,
     pub progress: Progress,
     /// Time of this report.
     pub timestamp: Timestamp,
@@ -147,25 +174,33 @@ pub struct Incident {
     /// Time at which its last warning cleared, and why it is over; `None` until it is closed.
     pub end: Option<(Timestamp, Ending)>,
     pub suspect: Suspect,
+    /// When that suspect was named; `None` while it is undecided.
+    pub named: Option<Naming>,
     pub fault: Fault,
     /// Gain error where the fault is one, m per m, see [`crate::alarm::Evidence::gain`].
     pub gain: Option<f64>,
     /// Size of a step or of a difference that the evidence of many samples gives, m, signed.
     pub size: Option<f64>,
+    /// R3 in the cycle in which FDE3 was first raised, m: unlike C1 − C2 as measured, by which the machine trips, it is
+    /// without what the readings differ by when nothing is wrong.
+    pub parted: Option<f64>,
     /// Highest level that it has reached.
     pub level: Level,
     /// Parts of the detectors, in the order of [`WarningPlace`].
     pub parts: [Option<Part>; PLACES],
     /// Peaks in the order of [`Quantity::ALL`]; [`Quantity::Measured`] only beyond the machine's own limit.
     pub peaks: [Option<Excursion>; QUANTITIES],
+    /// The quantities in the newest cycle.
+    pub now: Quantities,
+    pub outset: Outset,
     /// Limits of the quantities, m; infinite where the cylinder has no such quantity.
     pub limits: [f64; QUANTITIES],
 }
 
 whole! {
     Incident {
-        number, cylinder, progress, timestamp, begin, onset, end, suspect, fault, gain, size, level, parts, peaks,
-        limits,
+        number, scope, progress, timestamp, begin, onset, end, suspect, named, fault, gain, size, parted, level,
+        parts, peaks, now, outset, limits,
     }
 }
 
@@ -185,26 +220,44 @@ impl Incident {
         self.parts.iter().flatten().any(|part| part.stands)
     }
 
-    /// The quantity that tells best how bad it is, with its peak: the measured difference where the
-    /// machine itself would trip, R3 where a detector of the difference was raised, and otherwise the innovation
-    /// that is furthest beyond its threshold.
+    /// The quantity that was largest against its limit, with its peak: of those by which a detector of this incident was
+    /// raised, but the measured difference where the machine itself would trip.
     pub fn worst(&self) -> Option<(Quantity, Excursion)> {
-        let of = |quantity: Quantity| Some((quantity, self.peaks[quantity as usize]?));
         let raised = |place: WarningPlace| self.part(place).is_some();
-        let by_difference = raised(WarningPlace::Fde3) || raised(WarningPlace::Sequential);
-        let innovations = [(WarningPlace::Fde1, Quantity::R1), (WarningPlace::Fde2, Quantity::R2)];
-        let innovations = innovations.into_iter().filter(|(place, _)| raised(*place));
-        let largest = innovations
-            .map(|(_, quantity)| quantity)
-            .max_by(|a, b| self.share(*a).total_cmp(&self.share(*b)));
-        of(Quantity::Measured)
-            .or_else(|| of(Quantity::R3).filter(|_| by_difference))
-            .or_else(|| of(largest?))
+        let compared = [
+            (Quantity::R1, raised(WarningPlace::Fde1)),
+            (Quantity::R2, raised(WarningPlace::Fde2)),
+            (Quantity::R3, raised(WarningPlace::Fde3) || raised(WarningPlace::Sequential)),
+        ];
+        let compared = compared.into_iter().filter(|(_, counts)| *counts);
+        let peaks = compared.filter_map(|(quantity, _)| self.peak(quantity));
+        let largest = peaks.max_by(|(a, _), (b, _)| self.share(*a).total_cmp(&self.share(*b)));
+        self.peak(Quantity::Measured).filter(|_| self.trips()).or(largest)
     }
 
-    /// How bad [`Self::worst`] is: its peak, in terms of its limit; 0 where nothing was compared.
-    pub fn severity(&self) -> f64 {
-        self.worst().map_or(0.0, |(quantity, _)| self.share(quantity))
+    /// Newest value of the quantity of [`Self::worst`]; `None` where it was not compared, and once the incident is over.
+    pub fn worst_now(&self) -> Option<f64> {
+        let (quantity, _) = self.worst()?;
+        self.now[quantity as usize].filter(|_| self.end.is_none())
+    }
+
+    /// How bad [`Self::worst`] is, for comparison with others: whether the machine itself would trip, and the peak in terms
+    /// of its limit, 0 where nothing was compared.
+    pub fn severity(&self) -> (bool, f64) {
+        (self.trips(), self.worst().map_or(0.0, |(quantity, _)| self.share(quantity)))
+    }
+
+    /// The detector that named the suspect; `None` while it is undecided.
+    pub fn namer(&self) -> Option<WarningPlace> {
+        self.naming_part().map(|(place, _)| place)
+    }
+
+    fn trips(&self) -> bool {
+        self.share(Quantity::Measured) >= 1.0
+    }
+
+    fn peak(&self, quantity: Quantity) -> Option<(Quantity, Excursion)> {
+        Some((quantity, self.peaks[quantity as usize]?))
     }
 
     /// Peak of a quantity in terms of its limit; 0 without one.

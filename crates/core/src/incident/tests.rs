@@ -8,8 +8,11 @@ use crate::verdict::{Fault, Suspect};
 use WarningPlace::{Fde1, Fde2, Fde3, PlausibilityOfC1, PlausibilityOfC2, Process, Sequential};
 
 mod kinds;
+mod machine;
+mod telling;
 
 const COINCIDENCE: Span = Span::from_nanos(100_000_000);
+const CYCLE: Span = Span::from_nanos(20_000_000);
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
 
 /// A cylinder of which the detectors say something now and then.
@@ -39,7 +42,13 @@ fn finding(fault: Fault, suspect: Suspect, residual: f64) -> Finding {
 
 impl Story {
     fn new() -> Self {
-        let incidents = Incidents::new([(LIMITS, COINCIDENCE)]);
+        Self::of(1)
+    }
+
+    /// Of a machine with so many cylinders.
+    fn of(cylinders: usize) -> Self {
+        let each = (0..cylinders).map(|_| (LIMITS, COINCIDENCE));
+        let incidents = Incidents::new(each, CYCLE);
         Self { incidents, told: Vec::new(), goes_on: false }
     }
 
@@ -68,6 +77,7 @@ impl Story {
     fn follow(&mut self, t: f64, quantities: Quantities) {
         let told = &mut self.told;
         self.goes_on = self.incidents.follow(0, [at(t), at(t)], &quantities, |it| told.push(*it));
+        self.incidents.follow_machine(at(t), |it| told.push(*it));
     }
 
     /// A step of C1 at `t`, as FDE1 and FDE3 see it.

@@ -1,29 +1,50 @@
 //! The incidents that are not closed, of all cylinders.
 
 use super::joining::Open;
-use super::{Ending, Excursion, Incident, Part, Progress, QUANTITIES, Quantities, Quantity};
-use crate::alarm::detector::PLACES;
+use super::shared::{Cause, Shared, fits, is_of_supply};
+use super::{
+    Ending, Excursion, Incident, IncidentParameters, Outset, Part, Progress, QUANTITIES,
+    Quantities, Quantity, Scope,
+};
+use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Finding, Level, State, Warning};
 use crate::state::state;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use alloc::vec::Vec;
 
+const P: &IncidentParameters = &IncidentParameters::DEFAULT;
+
 /// Most incidents of a cylinder at once: of each transducer and of neither. A further one is taken for the newest of
 /// these.
 pub const MOST_AT_ONCE: usize = 3;
+
+/// Places of the detectors of R1, R2 and R3.
+const COMPARING: [WarningPlace; 3] = [WarningPlace::Fde1, WarningPlace::Fde2, WarningPlace::Fde3];
 
 /// The incidents of a machine, in bounded memory.
 #[derive(Clone, Debug)]
 pub struct Incidents {
     cylinders: Vec<OfCylinder>,
-    /// Number of incidents so far.
+    /// Those of the machine, in the order of [`Cause::ALL`].
+    shared: [Option<Shared>; Cause::ALL.len()],
+    /// Whether there is any of the machine, or one of a cylinder that belongs to one.
+    shares: bool,
+    /// When most cylinders were last found to show something in one moment.
+    gathered: Option<Timestamp>,
+    /// Number of incidents that were told so far.
     count: u32,
+    /// Number of those that began.
+    begun: u32,
+    /// Time within which what several cylinders show has one cause.
+    moment: Span,
+    alone: Span,
 }
 
 state! {
-    Incidents { count }
+    Incidents { shared, shares, gathered, count, begun }
     parts { cylinders }
+    but { moment, alone }
     sound |it| it.are_of_their_cylinders()
 }
 
@@ -41,31 +62,73 @@ state! {
 
 impl Incidents {
     /// The incidents of cylinders with these limits of their quantities, m, and with this time within which
-    /// findings are of one event.
-    pub fn new(cylinders: impl IntoIterator<Item = ([f64; QUANTITIES], Span)>) -> Self {
+    /// findings are of one event; `sample_time` is that of the machine.
+    pub fn new(
+        cylinders: impl IntoIterator<Item = ([f64; QUANTITIES], Span)>,
+        sample_time: Span,
+    ) -> Self {
         let of =
             |(limits, coincidence)| OfCylinder { open: [None; MOST_AT_ONCE], limits, coincidence };
-        Self { cylinders: cylinders.into_iter().map(of).collect(), count: 0 }
+        let cylinders: Vec<OfCylinder> = cylinders.into_iter().map(of).collect();
+        // A cylinder without others has nothing in common with them.
+        let cycles = if cylinders.len() < P.least { 0 } else { P.moment };
+        Self {
+            cylinders,
+            shared: [None; Cause::ALL.len()],
+            shares: false,
+            gathered: None,
+            count: 0,
+            begun: 0,
+            moment: Span::from_nanos(sample_time.as_nanos().saturating_mul(cycles.into())),
+            alone: Span::from_seconds(P.alone),
+        }
     }
 
     /// Whether the incidents of each cylinder are its own.
     fn are_of_their_cylinders(&self) -> bool {
         let mut each = self.cylinders.iter().zip(1_u8..);
-        each.all(|(cylinder, n)| cylinder.open.iter().flatten().all(|it| it.incident.cylinder == n))
+        each.all(|(cylinder, n)| {
+            let mut open = cylinder.open.iter().flatten();
+            open.all(|it| it.incident.scope == Scope::Cylinder(n))
+        })
     }
 
     /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.
     pub fn take(&mut self, warning: &Warning) {
         let cylinder = &mut self.cylinders[usize::from(warning.cylinder) - 1];
         match warning.state {
-            State::Raised => cylinder.raise(warning, &mut self.count),
+            State::Raised => {
+                if cylinder.raise(warning, &mut self.begun) {
+                    self.gather(warning);
+                }
+            }
             State::Changed | State::Cleared => cylinder.revise(warning),
+        }
+    }
+
+    /// Notes that `warning` has begun an incident of a cylinder: if most cylinders have one that began in the same moment,
+    /// they are the machine's, and so is what is wrong with the supply.
+    fn gather(&mut self, warning: &Warning) {
+        let (at, moment) = (warning.timestamp, self.moment);
+        let is_near = |begin: Timestamp| at.since(begin) <= moment;
+        let is_fresh =
+            |open: &Open| !open.is_told() && open.shared.is_none() && is_near(open.incident.begin);
+        let has_fresh = |it: &&OfCylinder| it.open.iter().flatten().any(is_fresh);
+        let count = self.cylinders.iter().filter(has_fresh).count();
+        let is_many = count >= P.least && count as f64 > P.most * self.cylinders.len() as f64;
+        if is_many {
+            self.gathered = Some(at);
+        }
+        self.shares |= is_many || is_of_supply(warning);
+        if self.gathered.is_some_and(is_near) {
+            let open = self.cylinders.iter_mut().flat_map(|it| it.open.iter_mut().flatten());
+            open.filter(|it| is_fresh(it)).for_each(|open| open.shared = Some(Cause::Moment));
         }
     }
 
     /// Takes the cycle of the cylinder of `index` (from 0) that opened at `opened` and was evaluated at `at`,
     /// after its warnings. Passes to `say` each incident that was opened, revised or closed, and returns whether
-    /// one is left that is not closed.
+    /// one is left that is not closed. One that began just now is told when it is known whether other cylinders have it, too.
     #[cold]
     pub fn follow(
         &mut self,
@@ -74,37 +137,110 @@ impl Incidents {
         quantities: &Quantities,
         mut say: impl FnMut(&Incident),
     ) -> bool {
-        let places = &mut self.cylinders[index].open;
+        let Self { cylinders, shared, count, moment, .. } = self;
+        let places = &mut cylinders[index].open;
         for place in places.iter_mut() {
             let Some(open) = place else { continue };
             open.difference = quantities[Quantity::R3 as usize];
             let stands = open.incident.stands();
+            let own = open.own(quantities);
             if stands || open.newest == at {
-                open.incident.reach(opened, &open.own(quantities));
+                open.incident.reach(opened, &own);
             }
-            if let Some(incident) = open.news(at) {
-                say(incident);
+            open.incident.now = own;
+            if open.newest == at {
+                open.incident.part_by(open.difference, at);
             }
-            if !stands && at >= open.due() {
-                let ending = if open.has_returned { Ending::Returned } else { Ending::Quiet };
-                say(&open.closed(at, ending));
+            if open.told.is_none() {
+                open.incident.outset.judged = core::array::from_fn(|i| quantities[i].is_some());
+            }
+            let is_over = !stands && at >= open.due();
+            if let Some(cause) = open.shared {
+                if let Some(shared) = shared[cause as usize].as_mut().filter(|_| is_over) {
+                    shared.release(open.ending());
+                    *place = None;
+                }
+                continue;
+            }
+            if is_over || at >= open.incident.begin.after(*moment) {
+                open.tell(at, count, &mut say);
+            }
+            if is_over {
+                say(&open.closed(at, open.ending()));
                 *place = None;
             }
         }
         places.iter().any(Option::is_some)
     }
 
+    /// Takes the end of a cycle at `at`: passes to `say` each incident of the machine that was opened, revised or closed.
+    #[inline]
+    pub fn follow_machine(&mut self, at: Timestamp, say: impl FnMut(&Incident)) {
+        if self.shares {
+            self.sum_up(at, say);
+        }
+    }
+
+    #[cold]
+    fn sum_up(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
+        for cause in Cause::ALL {
+            let Self { cylinders, shared, count, .. } = self;
+            let place = &mut shared[cause as usize];
+            let each = cylinders.iter().enumerate();
+            let mut members = each.flat_map(|(index, it)| {
+                let own = it.open.iter().flatten().filter(|open| open.shared == Some(cause));
+                own.map(move |open| (index, open))
+            });
+            let Some((index, first)) = members.next() else {
+                if let Some(shared) = place.take() {
+                    say(&shared.closed(at));
+                }
+                continue;
+            };
+            let shared = place.get_or_insert_with(|| {
+                *count = count.saturating_add(1);
+                Shared::new(*count, first)
+            });
+            shared.begin();
+            shared.take(index, first);
+            members.for_each(|(index, open)| shared.take(index, open));
+            if let Some(incident) = shared.news(cause, at) {
+                say(incident);
+            }
+            self.leave_alone(cause, at);
+        }
+        self.shares = self.shared.iter().any(Option::is_some);
+    }
+
+    /// Gives what stands of an incident of the machine back to the only cylinder that is left with it.
+    fn leave_alone(&mut self, cause: Cause, at: Timestamp) {
+        let Some(shared) = &self.shared[cause as usize] else { return };
+        let stands = |open: &Open| open.shared == Some(cause) && open.incident.stands();
+        let mut left = self.cylinders.iter_mut().filter(|it| it.open.iter().flatten().any(stands));
+        let (Some(one), None) = (left.next(), left.next()) else { return };
+        let was_shared = shared.incident.scope.cylinders().count() >= P.least;
+        if was_shared && at >= shared.newest.after(self.alone) {
+            let own = one.open.iter_mut().flatten().filter(|open| stands(open));
+            own.for_each(|open| open.shared = None);
+        }
+    }
+
     /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
     pub fn finish(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
         self.cut(at, &mut say);
+        let Self { cylinders, count, .. } = self;
+        let open = cylinders.iter_mut().flat_map(|it| it.open.iter_mut().flatten());
+        open.filter(|open| open.shared.is_none()).for_each(|open| open.tell(at, count, &mut say));
         self.standing(at).for_each(|incident| say(&incident));
     }
 
     /// The incidents of which a warning stands, as told at `at`.
     pub fn standing(&self, at: Timestamp) -> impl Iterator<Item = Incident> {
         let open = self.cylinders.iter().flat_map(|cylinder| cylinder.open.iter().flatten());
-        let standing = open.map(|open| open.incident).filter(Incident::stands);
-        standing.map(move |incident| Incident {
+        let own = open.filter(|open| open.is_told() && open.shared.is_none());
+        let all =
+            own.map(|it| it.incident).chain(self.shared.iter().flatten().map(|it| it.incident));
+        all.filter(Incident::stands).map(move |incident| Incident {
             progress: Progress::Standing,
             timestamp: at,
             ..incident
@@ -114,36 +250,69 @@ impl Incidents {
     /// Closes at `at` the incidents of which no warning stands, since what follows cannot be told to
     /// belong to them.
     pub fn cut(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
-        for place in self.cylinders.iter_mut().flat_map(|cylinder| &mut cylinder.open) {
-            if let Some(open) = place.take_if(|open| !open.incident.stands()) {
+        let Self { cylinders, shared, count, .. } = self;
+        for place in cylinders.iter_mut().flat_map(|cylinder| &mut cylinder.open) {
+            if let Some(mut open) = place.take_if(|open| !open.incident.stands()) {
                 let ending = if open.has_returned { Ending::Returned } else { Ending::Cut };
-                say(&open.closed(at, ending));
+                match open.shared.and_then(|cause| shared[cause as usize].as_mut()) {
+                    Some(shared) => shared.release(ending),
+                    None => {
+                        open.tell(at, count, &mut say);
+                        say(&open.closed(at, ending));
+                    }
+                }
             }
+        }
+        self.follow_machine(at, say);
+    }
+}
+
+impl Open {
+    /// Tells it at `at`, if it says something new, with the next number if it is told for the first time.
+    fn tell(&mut self, at: Timestamp, count: &mut u32, say: &mut impl FnMut(&Incident)) {
+        if !self.is_told() {
+            *count = count.saturating_add(1);
+            self.incident.number = *count;
+        }
+        if let Some(incident) = self.news(at) {
+            say(incident);
         }
     }
 }
 
 impl OfCylinder {
-    fn raise(&mut self, warning: &Warning, count: &mut u32) {
+    /// Takes a warning that is raised into the incident that it belongs to; returns whether it begins one.
+    fn raise(&mut self, warning: &Warning, begun: &mut u32) -> bool {
         let (coincidence, limits) = (self.coincidence, self.limits);
-        let taken = self.newest(|open| open.takes(warning, coincidence));
+        let takes = |open: &Open| fits(open.shared, warning) && open.takes(warning, coincidence);
+        let taken = self.newest(takes);
         let free = || self.open.iter().position(Option::is_none);
-        let Some(place) = taken.or_else(free).or_else(|| self.newest(|_| true)) else { return };
+        let elsewhere =
+            COMPARING.map(|place| self.open.iter().flatten().any(|it| it.has_standing(place)));
+        let Some(place) = taken.or_else(free).or_else(|| self.newest(|_| true)) else {
+            return false;
+        };
+        let begins = self.open[place].is_none();
         let open = self.open[place].get_or_insert_with(|| {
-            *count = count.saturating_add(1);
-            Open::new(Incident::new(*count, warning, limits))
+            *begun = begun.saturating_add(1);
+            Open::new(*begun, Incident::new(warning, elsewhere, limits))
         });
+        if begins && is_of_supply(warning) {
+            open.shared = Some(Cause::Supply);
+        }
         open.incident.raise(warning);
         open.follow(warning, coincidence);
+        open.date_naming(warning, coincidence);
+        begins
     }
 
     /// Place of the incident that began last of those for which `is` holds.
     fn newest(&self, is: impl Fn(&Open) -> bool) -> Option<usize> {
-        let number = |place: &usize| {
+        let order = |place: &usize| {
             let open = self.open[*place].as_ref().filter(|open| is(open));
-            open.map(|open| open.incident.number)
+            open.map(|open| open.order)
         };
-        (0..MOST_AT_ONCE).filter(|place| number(place).is_some()).max_by_key(number)
+        (0..MOST_AT_ONCE).filter(|place| order(place).is_some()).max_by_key(order)
     }
 
     /// Takes a warning that has changed or cleared into the incident of which it stands.
@@ -159,24 +328,45 @@ impl OfCylinder {
     }
 }
 
+impl Open {
+    fn has_standing(&self, place: WarningPlace) -> bool {
+        self.incident.part(place).is_some_and(|part| part.stands)
+    }
+
+    /// Notes whether the suspect was named by a `warning` that sees the fault go.
+    fn date_naming(&mut self, warning: &Warning, coincidence: Span) {
+        let by_observer =
+            matches!(self.incident.namer(), Some(WarningPlace::Fde1 | WarningPlace::Fde2));
+        let (begin, has_returned) = (self.incident.begin, self.has_returned && by_observer);
+        let Some(named) = &mut self.incident.named else { return };
+        if named.at == warning.timestamp && named.at.since(begin) > coincidence {
+            named.by_its_end |= has_returned;
+        }
+    }
+}
+
 impl Incident {
     /// An incident that begins with `warning`, which it does not yet include.
-    fn new(number: u32, warning: &Warning, limits: [f64; QUANTITIES]) -> Self {
+    fn new(warning: &Warning, elsewhere: [bool; 3], limits: [f64; QUANTITIES]) -> Self {
         Self {
-            number,
-            cylinder: warning.cylinder,
+            number: 0,
+            scope: Scope::Cylinder(warning.cylinder),
             progress: Progress::Opened,
             timestamp: warning.timestamp,
             begin: warning.timestamp,
             onset: warning.timestamp,
             end: None,
             suspect: Suspect::Undecided,
+            named: None,
             fault: Fault::Unclassified,
             gain: None,
             size: None,
+            parted: None,
             level: Level::None,
             parts: [None; PLACES],
             peaks: [None; QUANTITIES],
+            now: [None; QUANTITIES],
+            outset: Outset { elsewhere, ..Outset::default() },
             limits,
         }
     }
@@ -194,7 +384,7 @@ impl Incident {
         part.stands = true;
         part.take(&finding);
         self.level = self.level.max(finding.level);
-        self.fuse();
+        self.fuse(raised);
     }
 
     fn revise(&mut self, warning: &Warning) {
@@ -205,7 +395,7 @@ impl Incident {
         }
         part.take(&warning.finding);
         self.level = self.level.max(warning.finding.level);
-        self.fuse();
+        self.fuse(warning.timestamp);
     }
 
     fn reach(&mut self, opened: Timestamp, quantities: &Quantities) {

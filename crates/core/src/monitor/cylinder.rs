@@ -18,6 +18,7 @@ mod telling;
 
 use super::gate::Opening;
 use super::implausible::{Checked, Implausible};
+use crate::alarm::Approach;
 use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
 use crate::frame::Buses;
@@ -31,7 +32,7 @@ use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
 use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
 use crate::time::Timestamp;
-use crate::verdict::{Bank, Suspect, Thresholds, Trigger};
+use crate::verdict::{Bank, Suspect, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
@@ -95,6 +96,8 @@ pub struct Cylinder {
     estimated: Option<Estimate>,
     /// Trigger of the measured C1 − C2.
     critical: Trigger,
+    /// How soon the measured C1 − C2 is critical.
+    approach: Approach,
     /// C1 of the newest cycle, m, if it was good.
     length: Option<f64>,
     /// Newest measured C1 − C2, m.
@@ -137,11 +140,8 @@ impl Cylinder {
             last: LastOne::default(),
             sensor: None,
             estimated: None,
-            critical: Trigger::new(Thresholds {
-                low: design.critical,
-                high: design.critical,
-                clear: design.clear,
-            }),
+            critical: design.trip(),
+            approach: Approach::new(design.deadlines, design.bank.sample_time),
             length: None,
             apart: 0.0,
             was_critical: false,

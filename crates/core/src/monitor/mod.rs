@@ -123,7 +123,8 @@ impl Monitor {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
         let silence = Silence::of(&design);
         let of_incidents = |it: &CylinderDesign| (it.limits(), it.bank.coincidence);
-        let incidents = Incidents::new(design.cylinders.iter().map(of_incidents));
+        let sample_time = design.timing.sample_time;
+        let incidents = Incidents::new(design.cylinders.iter().map(of_incidents), sample_time);
         let cylinders = design.cylinders.into_iter().map(Cylinder::new);
         let cylinders: Vec<Cylinder> = match design.estimates {
             Estimates::None => cylinders.collect(),
@@ -297,6 +298,7 @@ impl Monitor {
             self.follow_supply(at);
         }
         self.follow_tilt(at);
+        self.tell_of_machine(at, sink);
         self.clock.close();
         self.end_hearing(at, sink);
     }
@@ -314,6 +316,7 @@ impl Monitor {
                 self.evaluate(index, at, sink);
             }
         }
+        self.tell_of_machine(at, sink);
         self.end_hearing(at, sink);
     }
 

@@ -65,6 +65,12 @@ impl Monitor {
             incidents.follow(index, times, cylinder.quantities(), |it| sink.incident(it));
     }
 
+    /// Passes on what became of the incidents of the machine in a cycle that ends at `at`.
+    #[inline]
+    pub(super) fn tell_of_machine(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        self.incidents.follow_machine(at, |it| sink.incident(it));
+    }
+
     pub(super) fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {
         let Self { register, encoder, .. } = self;
         register.repeat(at, |cylinder, detector, finding| {

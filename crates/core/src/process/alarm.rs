@@ -1,5 +1,6 @@
 //! Alarms of a process detector.
 
+use crate::alarm::Urgency;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 
@@ -46,6 +47,8 @@ pub struct ProcessAlarm {
     pub size: Option<f64>,
     /// The most evidence so far, nats.
     pub nats: f64,
+    /// How soon the supply no longer carries the load; none for what is of one cylinder.
+    pub urgency: Urgency,
     /// Begin of the window in which it was found.
     pub onset: Timestamp,
     /// Cycles since it was raised.
@@ -54,7 +57,7 @@ pub struct ProcessAlarm {
     pub(super) quiet: u32,
 }
 
-whole! { ProcessAlarm { malfunction, size, nats, onset, age, quiet } }
+whole! { ProcessAlarm { malfunction, size, nats, urgency, onset, age, quiet } }
 
 impl ProcessAlarm {
     /// Takes evidence of `nats` of so many `cycles`, which is for it from `least` nats on; returns whether it has not been

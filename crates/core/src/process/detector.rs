@@ -1,5 +1,6 @@
 //! The process detector of one cylinder.
 
+mod forgetting;
 mod standing;
 
 use super::alarm::{Malfunction, ProcessAlarm};
@@ -12,6 +13,7 @@ use super::losses::Losses;
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
+use crate::alarm::Urgency;
 use crate::sequential::statistic::Peak;
 use crate::state::state;
 use crate::time::{self, Span, Timestamp};
@@ -144,30 +146,6 @@ impl Process {
             spool.reset();
         }
         self.open = 0;
-    }
-
-    fn forget(&mut self) {
-        self.forget_cycles();
-        self.forget_flow();
-        self.forget_friction();
-    }
-
-    fn forget_cycles(&mut self) {
-        self.of_spool.clear();
-        self.of_chambers.clear();
-        self.trace.clear();
-    }
-
-    fn forget_flow(&mut self) {
-        if let Some(flow) = &mut self.flow {
-            flow.forget();
-        }
-    }
-
-    fn forget_friction(&mut self) {
-        if let Some(friction) = &mut self.friction {
-            friction.forget();
-        }
     }
 
     /// Takes a cycle. Where it is asked, returns the evidence of whose reading has moved, nats, as far as the oil tells:
@@ -314,6 +292,7 @@ impl Process {
         };
         if ended {
             self.alarms[which] = None;
+            self.forget_ended(which);
         } else {
             self.look(which, peak.width);
         }
@@ -331,6 +310,7 @@ impl Process {
             },
             size: None,
             nats: peak.nats,
+            urgency: Urgency::None,
             onset: at.after(Span::from_seconds(-back)),
             age: 0,
             quiet: 0,
@@ -374,7 +354,8 @@ impl Process {
 
     fn look_at_flow(&mut self) {
         let (Some(alarm), Some(flow)) = (&mut self.alarms[FLOW], &self.flow) else { return };
-        if let Some((malfunction, size)) = flow.malfunction(alarm.age) {
+        let is_known = alarm.malfunction != Malfunction::Unclassified;
+        if let Some((malfunction, size)) = flow.malfunction(alarm.age, is_known) {
             (alarm.malfunction, alarm.size) = (malfunction, size);
         }
     }

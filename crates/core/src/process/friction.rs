@@ -91,6 +91,11 @@ impl FrictionWatch {
         self.windows.clear();
     }
 
+    /// Forgets the blocks; the next one is evidence again.
+    pub fn forget_evidence(&mut self) {
+        self.windows.clear();
+    }
+
     /// Takes a cycle; `None` without all of it. Returns whether another block is judged with it.
     pub fn step(&mut self, sample: Option<ForceSample>) -> bool {
         let Some(block) = self.forces.step(sample) else { return false };

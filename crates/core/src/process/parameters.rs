@@ -56,6 +56,9 @@ pub struct ProcessParameters {
     pub flow_block: f64,
     /// Time of an alarm by the flow after which its kind is sought, each time anew, s, and until it is sought, s.
     pub flow_looks: [f64; 2],
+    /// Part of its size that a fault has to have in the newest blocks of the first of these times, to be called another
+    /// one than before, 0 to 1.
+    pub flow_lasting: f64,
     /// What may have changed without a fault: leakage at 24 bar, null, gain, dead band, worn edges (m/s but for the
     /// gain), and compressibility, m/bar. Warm oil leaks more, and its density changes.
     pub flow_tolerances: [f64; DIRECTIONS],
@@ -83,6 +86,9 @@ pub struct ProcessParameters {
     pub supply_look: f64,
     /// … and the most that it is of that before where it has arrived.
     pub supply_arrived: f64,
+    /// Pressure below which the supply no longer carries the load, as a part of that of the lesson, 0 to 1, where the
+    /// configuration does not say: rods of the simulated plant follow a sea of 2.5 m above it.
+    pub supply_least: f64,
     /// Part of the level below which evidence has to fall for an alarm to end.
     pub over: f64,
     pub side: SideParameters,
@@ -113,6 +119,7 @@ impl ProcessParameters {
         flow_untaught: 0.15,
         flow_block: 0.2,
         flow_looks: [10.0, 50.0],
+        flow_lasting: 0.5,
         flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],
         flow_bands: [0.8e-3, 0.7e-3, 0.03, 1.2e-3, 1.5e-3, 0.0],
         edges: 0.022,
@@ -126,6 +133,7 @@ impl ProcessParameters {
         supply_deviation: 0.05,
         supply_look: 5.0,
         supply_arrived: 1.1,
+        supply_least: 0.4,
         over: 0.5,
         side: SideParameters::DEFAULT,
     };

@@ -1,6 +1,6 @@
 // The alarm list by ISA-18.2 (IEC 62682), and what people do with alarms.
 
-import { element, say, utc } from "./words.js";
+import { QUANTITIES, element, millimetres, say, utc } from "./words.js";
 
 const STATES = {
   normal: "normal",
@@ -35,10 +35,18 @@ export class Alarms {
     }
     say(this.note, store.trouble ? `The store is not written: ${store.trouble}`
       : alarms.length === 0 ? "No alarm is active or waits to be acknowledged." : "");
-    const key = JSON.stringify(found);
-    if (key === this.key || this.dialog?.open) return found;
-    this.key = key;
-    this.list.replaceChildren(...alarms.map((alarm) => this.row(alarm, found.acts)));
+    // What changes with each cycle is changed in its place, so that a button keeps its focus.
+    const key = JSON.stringify(found, (name, value) => (name === "now_m" ? undefined : value));
+    if (key !== this.key && !this.dialog?.open) {
+      this.key = key;
+      this.now = new Map();
+      this.list.replaceChildren(...alarms.map((alarm) => this.row(alarm, found.acts)));
+    }
+    for (const alarm of alarms) {
+      const { quantity, now_m: now } = alarm;
+      const place = this.now?.get(alarm.incident);
+      if (place) say(place, now == null ? "" : `; ${QUANTITIES[quantity] ?? quantity} is ${millimetres(now)} now`);
+    }
     return found;
   }
 
@@ -63,11 +71,13 @@ export class Alarms {
       waits ? button("Acknowledge", "acknowledge") : null,
       state === "shelved" ? button("Unshelve", "unshelve") : button("Shelve", "shelve"),
     ];
+    const now = element("span");
+    this.now.set(alarm.incident, now);
     return element("li", { class: state },
       element("span", { class: `level ${alarm.level}` }, alarm.level), " ",
       element("a", { href: `#incidents/${alarm.incident}` }, alarm.text), " ",
       element("strong", { class: "state" }, STATES[state] ?? state),
-      element("p", { class: "quiet" }, details.join("; ")),
+      element("p", { class: "quiet" }, details.join("; "), now),
       element("p", { class: "buttons" }, ...buttons));
   }
 

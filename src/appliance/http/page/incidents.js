@@ -1,12 +1,11 @@
 // Incidents and events: searched, exported, and each incident by itself.
 
 import { recording, recordingOf, recordings } from "./recordings.js";
-import { element, number, say, sentence, utc } from "./words.js";
+import { QUANTITIES, element, millimetres as mm, say, sentence, utc } from "./words.js";
 
 const KINDS = ["incident", "act", "start", "stop", "reload", "refused", "bus_opened", "bus_lost", "controller", "nmt", "timing", "device", "clock", "lost"];
 const LEVELS = ["yellow", "orange", "red", "black"];
 const SUSPECTS = { c1: "C1", c2: "C2", undecided: "C1 or C2", process: "neither transducer" };
-const QUANTITIES = { r1: "R1", r2: "R2", r3: "R3", c1_c2: "C1 − C2" };
 const PAGE = 50;
 
 export class Incidents {
@@ -94,12 +93,13 @@ function row(entry) {
 
 /** The page of one incident. */
 function page(it, { folder, recordings: all }) {
-  const mm = (value) => (value == null ? "–" : `${number(value * 1e3, 2)} mm`);
   const facts = [
-    ["Cylinder", String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect], ["Level reached", it.level],
+    ["Cylinder", it.cylinder == null ? "the machine" : String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect],
+    ["Suspect named", it.named_s == null ? "–" : `${utc(it.named_s)}${it.named_by_its_end ? ", when the fault ended" : ""}`], ["Level reached", it.level],
     ["Begin", utc(it.begin_s)], ["Onset", utc(it.onset_s)],
     ["End", it.end_s == null ? "it is open" : `${utc(it.end_s)}, ${it.ending}`],
     ["Size", mm(it.size_m)], ["Largest", it.quantity ? `${QUANTITIES[it.quantity] ?? it.quantity} ${mm(it.peak_m)} of ${mm(it.limit_m)}` : "–"],
+    ...(it.now_m == null ? [] : [["Now", `${QUANTITIES[it.quantity] ?? it.quantity} ${mm(it.now_m)}`]]),
     ["Detectors", it.detectors],
   ];
   const own = recordingOf(it, all);
@@ -108,8 +108,8 @@ function page(it, { folder, recordings: all }) {
     : "there is no recording yet, or it gave way to newer ones";
   const list = (title, rows) => (rows.length ? [element("h3", {}, title), element("ul", {}, ...rows.map((text) => element("li", {}, text)))] : []);
   return [
-    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"), " · ",
-      element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)),
+    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"),
+      ...(it.cylinder == null ? [] : [" · ", element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)])),
     element("h3", {}, it.text),
     element("p", {}, sentence(it.evidence)), element("p", {}, sentence(it.course)), element("p", {}, element("strong", {}, it.advice)),
     element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),

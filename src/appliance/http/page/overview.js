@@ -1,6 +1,6 @@
 // The overview: lamps, residuals against their limits, the virtual sensor, drifts.
 
-import { element, lamp, left, light, number, plural, say, timeOfDay } from "./words.js";
+import { QUANTITIES, element, lamp, left, light, millimetres, number, plural, say, timeOfDay } from "./words.js";
 
 const RESIDUALS = ["R1", "R2", "R3"];
 const TRANSDUCERS = ["C1", "C2"];
@@ -43,10 +43,12 @@ export class Overview {
       : silence == null || silence > 1 ? "None stands. There are no frames of the machine: nothing is judged."
       : "None stands, but not everything is judged now.");
     this.none.hidden = incidents.length > 0;
-    const key = JSON.stringify(incidents);
-    if (key === this.told) return;
-    this.told = key;
-    this.incidents.replaceChildren(...incidents.map(incident));
+    const key = JSON.stringify(incidents, (name, value) => (name === "now_m" ? undefined : value));
+    if (key !== this.told) {
+      this.told = key;
+      this.incidents.replaceChildren(...incidents.map(incident));
+    }
+    incidents.forEach((it, place) => say(this.incidents.children[place].querySelector(".now"), now(it)));
   }
 }
 
@@ -54,8 +56,14 @@ export class Overview {
 export function incident(it) {
   return element("li", {},
     element("span", { class: `level ${it.level}` }, it.level), " ",
-    element("a", { href: `#trends/${it.cylinder}` }, it.summary), " ",
-    element("span", { class: "quiet" }, `since ${timeOfDay(it.begin)} UTC, incident ${it.number}`));
+    it.cylinder == null ? it.summary : element("a", { href: `#trends/${it.cylinder}` }, it.summary), " ",
+    element("span", { class: "quiet" }, `since ${timeOfDay(it.begin)} UTC, incident ${it.number}`,
+      element("span", { class: "now" }, now(it))));
+}
+
+/** What the worst residual of an incident is now. */
+function now({ quantity, now_m: value }) {
+  return value == null ? "" : `, ${QUANTITIES[quantity] ?? quantity} is ${millimetres(value)} now`;
 }
 
 function card(number) {

@@ -19,7 +19,8 @@ export function recording({ name, bytes }) {
 /** The recording of an incident of the store, if it is among `all`. */
 export function recordingOf(incident, all) {
   const time = new Date(incident.begin_s * 1000).toISOString().slice(0, 19).replaceAll(/[-:]/g, "");
-  const start = `${time}Z-cylinder-${incident.cylinder}-incident-${incident.number}`;
+  const of = incident.cylinder == null ? "machine" : `cylinder-${incident.cylinder}`;
+  const start = `${time}Z-${of}-incident-${incident.number}`;
   return all.find(({ name }) => name === start || name.startsWith(`${start}-`));
 }
 

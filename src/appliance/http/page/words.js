@@ -69,6 +69,14 @@ export function number(value, decimals) {
   return value == null ? "–" : value.toFixed(decimals).replace("-", "−");
 }
 
+/** Names of what is compared with limits. */
+export const QUANTITIES = { r1: "R1", r2: "R2", r3: "R3", c1_c2: "C1 − C2" };
+
+/** A length in metres, in millimetres, or a dash. */
+export function millimetres(metres) {
+  return metres == null ? "–" : `${number(metres * 1e3, 2)} mm`;
+}
+
 /** A time stamp in seconds, in UTC. */
 export function utc(seconds) {
   return `${new Date(seconds * 1000).toISOString().slice(0, 19).replace("T", " ")} UTC`;

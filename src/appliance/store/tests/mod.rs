@@ -12,7 +12,7 @@ use crate::alarm::Level;
 use crate::alarm_list::{ActKind, ActRefusal};
 use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::SystemClock;
-use crate::incident::{Incident, Progress};
+use crate::incident::{Cylinders, Incident, Progress, Scope};
 use crate::time::{Span, Timestamp};
 use std::fs;
 use std::path::PathBuf;
@@ -162,9 +162,14 @@ fn an_incident_is_read_as_it_was_told() {
     assert_eq!((page.alarm.level, page.alarm.ending.as_deref()), ("orange", Some("returned")));
     assert_eq!(
         page.alarm.text,
-        "cylinder 1, C1, orange: step of 1.21 mm, 1.20 mm off (limit 1.00 mm)"
+        "cylinder 1, C1, orange: step of 1.21 mm, R1 up to 1.20 mm (limit 1.00 mm)"
     );
-    assert_eq!((page.peak_m, page.limit_m, page.size_m), (Some(1.2e-3), Some(1e-3), Some(1.21e-3)));
+    let alarm = &page.alarm;
+    assert_eq!(
+        (alarm.peak_m, alarm.limit_m, page.size_m),
+        (Some(1.2e-3), Some(1e-3), Some(1.21e-3))
+    );
+    assert_eq!((alarm.named_s, alarm.named_by_its_end), (Some(alarm.begin_s), Some(false)));
     let progress: Vec<_> = page.revisions.iter().map(|it| it.progress.as_str()).collect();
     assert_eq!(progress, ["opened", "revised", "closed"]);
     assert_eq!(page.warnings.len(), 1);
@@ -173,6 +178,28 @@ fn an_incident_is_read_as_it_was_told() {
         ("fde1", Some(1.2e-3))
     );
     assert_eq!(bench.reader().incident(id + 1, later(0.0)).expect("read"), None);
+}
+
+/// What several cylinders have in common is the machine's, and is found by each of them.
+#[test]
+fn an_incident_of_the_machine_has_no_cylinder_and_is_found_by_those_that_it_concerns() {
+    let bench = Bench::new();
+    let mut cylinders = Cylinders::NONE;
+    (2..6).for_each(|index| cylinders.insert(index));
+    let shared = Incident { scope: Scope::Machine(cylinders), ..incident(6) };
+    let warned = Note::Warning(crate::alarm::Warning { timestamp: later(6.0), ..warning() });
+    drop(written(bench.writer(), [warned, Note::Incident(shared)]));
+    let found = |cylinder| {
+        let kind = Some(EventKind::Incident);
+        let filter = Filter { kind, cylinder, ..Filter::default() };
+        bench.reader().search(&filter, later(100.0)).expect("it can be read").entries
+    };
+    assert_eq!([1, 3, 6].map(|n| found(Some(n)).len()), [0, 1, 1]);
+    let [entry] = &found(None)[..] else { panic!("one incident") };
+    assert_eq!(entry.cylinder, None);
+    let page = bench.reader().incident(entry.id, later(100.0)).expect("read").expect("it is there");
+    assert_eq!((page.alarm.cylinder, page.warnings.len()), (None, 1));
+    assert!(page.alarm.text.starts_with("machine (cylinders 3 to 6), yellow: step"), "{page:?}");
 }
 
 /// The columns that are kept beside the history say what the history says.

@@ -96,7 +96,7 @@ impl LastOutcome {
             }
         }
         let told = heard.incidents.iter().find(|it| {
-            it.cylinder == pair.cylinder && it.suspect == pair.last && it.begin >= onset
+            it.scope.has(pair.cylinder.into()) && it.suspect == pair.last && it.begin >= onset
         });
         let told = told.map(|it| it.timestamp).filter(|at| *at <= end);
         let named = named.into_iter().chain(told).min();

@@ -1,6 +1,6 @@
 //! What the monitor of a cylinder is made from.
 
-use crate::alarm::Levels;
+use crate::alarm::{Deadlines, Levels};
 use crate::compare::Comparator;
 use crate::estimate;
 use crate::frame::BusNumber;
@@ -13,7 +13,7 @@ use crate::sample::plausibility::PlausibilityLimits;
 use crate::sample::{Field, Transducer};
 use crate::sequential;
 use crate::time::Span;
-use crate::verdict::BankDesign;
+use crate::verdict::{BankDesign, Thresholds, Trigger};
 
 /// Design of the monitor of one cylinder.
 #[derive(Clone, Debug)]
@@ -50,6 +50,8 @@ pub struct CylinderDesign {
     /// Measured |C1 − C2| beyond which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
+    /// Times until the machine trips at which a difference is of another level.
+    pub deadlines: Deadlines,
     /// Cycles within which findings belong to one event.
     pub coincidence: u32,
     /// Time of good readings that clears a plausibility warning.
@@ -57,6 +59,11 @@ pub struct CylinderDesign {
 }
 
 impl CylinderDesign {
+    /// Trigger of the measured C1 − C2.
+    pub fn trip(&self) -> Trigger {
+        Trigger::new(Thresholds { low: self.critical, high: self.critical, clear: self.clear })
+    }
+
     /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2.
     pub const fn limits(&self) -> [f64; QUANTITIES] {
         let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);

@@ -5,6 +5,7 @@ use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
 use crate::process::Malfunction;
+use crate::sequential::Sequential;
 use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 impl Cylinder {
@@ -33,13 +34,13 @@ impl Cylinder {
             put(place, self.last_finding(i, found).or_else(usual));
         }
         let fde3 = fde3.map(|detection| self.named(detection));
-        put(WarningPlace::Fde3, self.difference_finding(fde3));
+        put(WarningPlace::Fde3, self.difference_finding(fde3).map(|it| self.in_time(it)));
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
-        put(WarningPlace::Sequential, self.sequential_finding());
+        put(WarningPlace::Sequential, self.sequential_finding().map(|it| self.in_time(it)));
         put(WarningPlace::Process, self.process_finding());
-        put(WarningPlace::Hexapod, self.hexapod_finding());
+        put(WarningPlace::Hexapod, self.hexapod_finding().map(|it| self.in_time(it)));
         let blames = |i: usize| {
             let own = [WarningPlace::Fde1, WarningPlace::Fde2][i] as usize;
             // A single sample of the last one is not yet the loss of both.
@@ -150,6 +151,17 @@ impl Cylinder {
         self.sequential_finding().filter(|_| by == Some(Testimony::Attitude))
     }
 
+    /// The finding of a difference, of another level where that runs towards the machine's own limit. A gain that is off
+    /// swings with the rod, and runs nowhere.
+    fn in_time(&self, finding: Finding) -> Finding {
+        let is_gain = self.sequential.as_deref().is_some_and(Sequential::is_gain);
+        if is_gain {
+            return finding;
+        }
+        let level = self.approach.urgency().level(&self.design.levels);
+        Finding { level: finding.level.max(level), ..finding }
+    }
+
     fn process_finding(&self) -> Option<Finding> {
         let alarm = self.process.as_ref()?.alarm()?;
         let fault = match alarm.malfunction {
@@ -166,7 +178,7 @@ impl Cylinder {
         Some(Finding {
             fault,
             suspect: Suspect::Process,
-            level: self.level(Suspect::Process),
+            level: self.level(Suspect::Process).max(alarm.urgency.level(&self.design.levels)),
             residual: None,
             threshold: None,
             evidence: Some(Evidence {

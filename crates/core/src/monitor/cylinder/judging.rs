@@ -64,6 +64,9 @@ impl Cylinder {
         let apart = measured(0).zip(measured(1)).map(|(c1, c2)| c1 - c2);
         self.apart = apart.unwrap_or(self.apart);
         self.critical.judge(at, apart);
+        if let Some(apart) = apart {
+            self.approach.push(apart, self.design.critical);
+        }
         // It has tripped: that is over when the two agree again.
         let differ = self.bank.verdicts()[2] == Verdict::Faulty;
         self.was_critical = self.critical.raised().is_some() || (self.was_critical && differ);

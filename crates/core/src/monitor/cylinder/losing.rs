@@ -64,6 +64,7 @@ impl Cylinder {
             sensor.interrupt();
         }
         self.critical.interrupt();
+        self.approach.interrupt();
         self.precedence.interrupt();
         self.last.interrupt();
     }

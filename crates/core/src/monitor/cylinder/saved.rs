@@ -6,7 +6,7 @@ use crate::state::state;
 state! {
     Cylinder {
         inputs, pending, plausibility, motions, implausible, observers, commands, bank, agreement, precedence, last, estimated,
-        critical, length, apart, was_critical, command_missing, command_silent, way, judged, blanks, supply_is_odd, is_busy, is_watched, quantities, tally,
+        critical, approach, length, apart, was_critical, command_missing, command_silent, way, judged, blanks, supply_is_odd, is_busy, is_watched, quantities, tally,
     }
     parts { devices, sequential, process, sensor }
     but { design }

@@ -201,7 +201,15 @@ fn pressures_spool_supply_and_oil_come_before_friction() {
     let mut process = of_friction();
     let alarm = |malfunction, age| {
         let onset = Timestamp::default();
-        Some(ProcessAlarm { malfunction, size: None, nats: 30.0, onset, age, quiet: 0 })
+        Some(ProcessAlarm {
+            malfunction,
+            size: None,
+            nats: 30.0,
+            urgency: Urgency::None,
+            onset,
+            age,
+            quiet: 0,
+        })
     };
     let named = |process: &Process| process.alarm().map(|alarm| alarm.malfunction);
     let old = process.counts.company;
@@ -219,4 +227,22 @@ fn pressures_spool_supply_and_oil_come_before_friction() {
     let [.., of_blocks] = process.levels;
     // Ten cycles are one block: as many false alarms an hour take log 10 less.
     assert!((25.0 - of_blocks - libm::log(0.2 / SAMPLE_TIME)).abs() < 1e-9, "{of_blocks}");
+}
+
+/// The longest windows hold a friction of half a minute for a minute more than its alarm lasts.
+#[test]
+fn nothing_is_left_of_a_friction_that_is_over() {
+    let (mut process, mut raises, mut was_raised) = (of_friction(), 0, false);
+    for k in 0..240 * 50 {
+        let more = if (60 * 50..90 * 50).contains(&k) { 2.0 } else { 0.0 };
+        process.step(&swing(k, more, false));
+        let is_raised = process.alarm().is_some();
+        raises += u32::from(is_raised && !was_raised);
+        if was_raised && !is_raised {
+            let left = process.friction.as_ref().map(|it| it.peak().nats);
+            assert_eq!(left, Some(0.0), "it would raise it again");
+        }
+        was_raised = is_raised;
+    }
+    assert_eq!((raises, was_raised), (1, false));
 }

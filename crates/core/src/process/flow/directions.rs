@@ -33,6 +33,13 @@ pub enum Direction {
     Pressing,
 }
 
+impl Direction {
+    /// Whether oil passes where it should not: there is none of it below zero.
+    pub const fn is_leakage(self) -> bool {
+        matches!(self, Self::Leakage | Self::ValveLeakage)
+    }
+}
+
 /// Those that are faults.
 pub const FAULTS: [Direction; 4] =
     [Direction::Leakage, Direction::Null, Direction::DeadBand, Direction::ValveLeakage];

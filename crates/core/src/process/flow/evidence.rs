@@ -206,14 +206,19 @@ impl FlowWindows {
         let explained = |direction: Direction| {
             let [one, two] = [0, 1].map(|i| factors[i].along(&window, direction));
             let [one, two] = [one?, two?].map(|it| it.product * it.product / it.weight);
-            Some((one + two, direction))
+            let size = size(&factors, &window, direction)?;
+            let can_be = size > 0.0 || !direction.is_leakage();
+            can_be.then_some((one + two, FlowKind { direction, size }))
         };
         let best = CANDIDATES.into_iter().filter_map(explained);
-        let (_, direction) = best.max_by(|one, other| one.0.total_cmp(&other.0))?;
-        let [one, two] = [0, 1].map(|i| factors[i].along(&window, direction));
-        let (one, two) = (one?.alone(direction), two?.alone(direction));
-        let size = (one.product + two.product) / (one.weight + two.weight);
-        Some(FlowKind { direction, size })
+        best.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, kind)| kind)
+    }
+
+    /// Size of a fault in `direction` by the newest `width` blocks alone; `None` if there are not so many.
+    pub fn size(&self, by: &FlowWeighing, width: usize, direction: Direction) -> Option<f64> {
+        let window = Window::new(&self.sums.over(width)?, width);
+        let factors = [by.factor(&window, 0)?, by.factor(&window, 1)?];
+        size(&factors, &window, direction)
     }
 }
 
@@ -255,6 +260,13 @@ impl Solved {
         let by = 1.0 / left.max(f64::EPSILON);
         Self { weight: self.weight * by, product: self.product * by }
     }
+}
+
+/// Size of a fault in `direction` by both transducers.
+fn size(factors: &[Factor; 2], window: &Window, direction: Direction) -> Option<f64> {
+    let [one, two] = factors.each_ref().map(|it| it.along(window, direction));
+    let (one, two) = (one?.alone(direction), two?.alone(direction));
+    Some((one.product + two.product) / (one.weight + two.weight))
 }
 
 /// Evidence of a fault in `direction`, nats: that of the transducer with less of it, if both say the same.
@@ -344,7 +356,8 @@ mod tests {
     #[test]
     fn each_direction_is_told_from_the_others_with_its_size() {
         for direction in FAULTS {
-            for size in [4e-3, -4e-3] {
+            let signs: &[f64] = if direction.is_leakage() { &[1.0] } else { &[1.0, -1.0] };
+            for size in signs.iter().map(|sign| 4e-3 * sign) {
                 let windows = windows(120, direction, [size; 2]);
                 let kind = windows.kind(&weighing(), 120).expect("there are so many");
                 assert_eq!(kind.direction, direction);

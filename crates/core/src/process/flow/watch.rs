@@ -54,6 +54,11 @@ impl FlowWatch {
         self.was_held = false;
     }
 
+    /// Forgets the blocks; the next one is evidence again.
+    pub fn forget_evidence(&mut self) {
+        self.windows.clear();
+    }
+
     /// Takes a cycle; `None` without all of it. Returns whether a block was completed with it.
     #[inline]
     pub fn step(&mut self, sample: Option<FlowSample>) -> bool {
@@ -100,8 +105,9 @@ impl FlowWatch {
     }
 
     /// What explains the oil and the rod since an alarm was raised `age` cycles ago; `None` where it is not the time
-    /// to ask, or nothing does.
-    pub fn malfunction(&self, age: u32) -> Option<(Malfunction, Option<f64>)> {
+    /// to ask, or nothing does. Once the kind `is_known`, nothing else does that the newest blocks do not show, too: a
+    /// fault that is over looks like another one.
+    pub fn malfunction(&self, age: u32, is_known: bool) -> Option<(Malfunction, Option<f64>)> {
         let blocks = age / self.flow.block();
         let [often, until] = self.looks;
         if blocks == 0 || !blocks.is_multiple_of(often) || blocks > until {
@@ -109,11 +115,83 @@ impl FlowWatch {
         }
         let width = (blocks as usize).min(self.windows.held());
         let FlowKind { direction, size } = self.windows.kind(&self.weighing, width)?;
+        if is_known {
+            let newest = self.windows.size(&self.weighing, often as usize, direction)?;
+            if newest / size < ProcessParameters::DEFAULT.flow_lasting {
+                return None;
+            }
+        }
         Some(match direction {
             Direction::Leakage | Direction::ValveLeakage => (Malfunction::Leakage, Some(size)),
             Direction::Null => (Malfunction::Null, Some(size / self.flow.design().slope())),
             Direction::DeadBand => (Malfunction::DeadBand, None),
             Direction::Gain | Direction::Pressing => (Malfunction::Unclassified, None),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::directions::DIRECTIONS;
+    use super::super::{FlowBlock, FlowDesign};
+    use super::*;
+    use crate::process::Curve;
+    use alloc::vec;
+
+    /// The way that a direction adds to a block, m for a size of 1 m/s.
+    const WAY: f64 = 0.2;
+
+    fn watch() -> FlowWatch {
+        let scatter =
+            core::array::from_fn(|i| core::array::from_fn(|j| if i == j { 4e-10 } else { 0.0 }));
+        let design = FlowDesign {
+            limit: 50.0,
+            curve: Curve::new(50.0, vec![-0.5, 0.5]),
+            taught: vec![true],
+            between: 0.5,
+            leakage: 0.0,
+            compression: 0.0,
+            area_ratio: 0.5,
+            supplies: [0.0, f64::INFINITY],
+            scatter: [scatter; 2],
+        };
+        FlowWatch::new(design, &ProcessParameters::DEFAULT, 0.02).expect("it is a covariance")
+    }
+
+    /// `count` blocks that leave a speed, m/s, and in which these directions occur.
+    fn push(watch: &mut FlowWatch, count: u32, speed: f64, along: &[(Direction, f64)]) {
+        for _ in 0..count {
+            let mut directions = [0.0; DIRECTIONS];
+            along.iter().for_each(|(direction, way)| directions[*direction as usize] = *way);
+            watch.windows.push(&FlowBlock { left: [WAY * speed; 2], directions, parted: None });
+        }
+    }
+
+    /// A null that had moved for half a minute: with the time after it, a wider dead band explains more.
+    #[test]
+    fn a_fault_that_is_over_is_not_called_another_one() {
+        let mut watch = watch();
+        let both = [(Direction::Null, WAY), (Direction::DeadBand, WAY)];
+        push(&mut watch, 150, 4e-3, &both);
+        assert!(watch.malfunction(1500, true).is_some(), "it lasts");
+        push(&mut watch, 50, 0.0, &both[..1]);
+        let dead_band = Some((Malfunction::DeadBand, None));
+        assert_eq!(watch.malfunction(2000, false), dead_band);
+        assert_eq!(watch.malfunction(2000, true), None);
+    }
+
+    #[test]
+    fn a_leakage_below_zero_is_none() {
+        for (speed, is_leakage) in [(5e-3, true), (-5e-3, false)] {
+            let mut watch = watch();
+            push(
+                &mut watch,
+                100,
+                speed,
+                &[(Direction::Leakage, WAY), (Direction::Gain, 0.3 * WAY)],
+            );
+            let (malfunction, _) = watch.malfunction(1000, false).expect("something explains it");
+            assert_eq!(malfunction == Malfunction::Leakage, is_leakage, "{speed}");
+        }
     }
 }

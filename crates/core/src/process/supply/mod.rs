@@ -16,6 +16,7 @@ use super::alarm::{Malfunction, ProcessAlarm};
 use super::evidence::{EvidenceWindows, Weighing};
 use super::flow;
 use super::parameters::ProcessParameters;
+use crate::alarm::{Approach, Deadlines, Urgency};
 use crate::sequential::statistic::Peak;
 use crate::sequential::windows::WIDTHS;
 use crate::state::{state, whole};
@@ -45,6 +46,9 @@ pub struct SupplyRelation {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SupplyDesign {
     pub relation: SupplyRelation,
+    /// Pressure below which it no longer carries the load, bar, above 0.
+    pub least: f64,
+    pub deadlines: Deadlines,
     /// h of a relation with a sample in each cycle, nats.
     pub level: f64,
     /// s.
@@ -205,13 +209,15 @@ pub struct SupplyWatch {
     /// P_S as a sound pump would have it, bar, since the evidence began.
     expected: Option<f64>,
     size: Size,
+    /// How soon the pressure is too low, by 1/P_S, which grows evenly as the rods take oil that no pump replaces.
+    reserve: Approach,
     alarm: Option<ProcessAlarm>,
     /// What [`Self::news`] told.
     told: [bool; 2],
 }
 
 state! {
-    SupplyWatch { oil, shortfall, open, expected, size, alarm, told }
+    SupplyWatch { oil, shortfall, open, expected, size, reserve, alarm, told }
     but { design, seconds, level, opening, longest, blocks }
 }
 
@@ -231,6 +237,7 @@ impl SupplyWatch {
             open: 0,
             expected: None,
             size: Size::default(),
+            reserve: Approach::new(design.deadlines, seconds),
             alarm: None,
             told: [false; 2],
             design,
@@ -247,6 +254,7 @@ impl SupplyWatch {
     pub fn lose(&mut self) {
         self.oil.reset();
         self.shortfall.clear();
+        self.reserve.interrupt();
         (self.expected, self.size) = (None, Size::default());
     }
 
@@ -292,6 +300,8 @@ impl SupplyWatch {
         };
         let cycles = self.oil.block();
         let expected = self.follow(block);
+        let [_, pressure] = block.pressures;
+        self.reserve.push(1.0 / pressure, 1.0 / self.design.least);
         match &mut self.alarm {
             None if peak.nats < self.level => return,
             None => self.alarm = Some(self.raised(peak, at)),
@@ -306,7 +316,8 @@ impl SupplyWatch {
                 }
             }
         }
-        let [_, pressure] = block.pressures;
+        let urgency = self.reserve.urgency();
+        self.alarm.iter_mut().for_each(|alarm| alarm.urgency = urgency);
         self.measure(pressure - expected);
     }
 
@@ -333,6 +344,7 @@ impl SupplyWatch {
             malfunction: Malfunction::Supply,
             size: None,
             nats: peak.nats,
+            urgency: Urgency::None,
             onset: at.after(Span::from_seconds(-back)),
             age: 0,
             quiet: 0,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::alarm::Deadlines;
 use crate::alarm::status::MAX_CYLINDERS;
 
 const SAMPLE_TIME: f64 = 0.02;
@@ -21,7 +22,14 @@ fn relation() -> SupplyRelation {
 
 fn watch() -> SupplyWatch {
     let (relation, sample_time) = (relation(), SAMPLE_TIME);
-    SupplyWatch::new(SupplyDesign { relation, level: 26.0, sample_time, clear: 50 })
+    SupplyWatch::new(SupplyDesign {
+        relation,
+        least: 90.0,
+        deadlines: Deadlines::default(),
+        level: 26.0,
+        sample_time,
+        clear: 50,
+    })
 }
 
 /// An accumulator with a pump that gives up to `most` bar/s towards its set point, and one rod that swings by `swing` m.

@@ -1,0 +1,82 @@
+//! When an incident is told again.
+//!
+//! Whom to suspect, what it is and its level are news at once. That it has grown, or that a further detector agrees, is
+//! news after [`PAUSE`], so that a person sees no size of minutes ago and a log does not fill with a drift.
+
+use super::joining::Open;
+use super::{Incident, Progress};
+use crate::alarm::Level;
+use crate::alarm::detector::PLACES;
+use crate::state::whole;
+use crate::time::{Span, Timestamp};
+use crate::verdict::{Fault, Suspect};
+
+/// An incident has grown when its largest value is so many times that which was told. A drift from a quarter of its
+/// limit to the trip at thirty times the limit is told 22 times.
+const GROWTH: f64 = 1.25;
+
+/// Part of its limit up to which a size is not worth telling.
+const SMALL: f64 = 0.25;
+
+/// Shortest time between two reports, if the second one tells of growth or of a further detector only: what a person
+/// can follow.
+const PAUSE: Span = Span::from_nanos(5_000_000_000);
+
+/// What was told of an incident.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Told {
+    suspect: Suspect,
+    fault: Fault,
+    has_gain: bool,
+    has_size: bool,
+    level: Level,
+    raised: [bool; PLACES],
+    /// Largest value in terms of its limit.
+    share: f64,
+}
+
+whole! { Told { suspect, fault, has_gain, has_size, level, raised, share } }
+
+impl Told {
+    fn of(incident: &Incident) -> Self {
+        let Incident { suspect, fault, gain, level, parts, .. } = incident;
+        Self {
+            suspect: *suspect,
+            fault: *fault,
+            has_gain: gain.is_some(),
+            has_size: parts.iter().flatten().any(|part| part.finding.size().is_some()),
+            level: *level,
+            raised: parts.map(|part| part.is_some()),
+            share: incident.severity().1,
+        }
+    }
+
+    /// Whether it says something else than `before`, whatever its size.
+    fn differs(&self, before: &Self) -> bool {
+        Self { raised: before.raised, share: before.share, ..*self } != *before
+    }
+
+    /// Whether it says more than `before`.
+    fn is_more(&self, before: &Self) -> bool {
+        self.raised != before.raised || self.share > GROWTH * before.share.max(SMALL)
+    }
+}
+
+impl Open {
+    /// The incident as it is told at `at`, if there is news.
+    pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
+        let now = Told::of(&self.incident);
+        // A clock that was set back does not keep it waiting.
+        let is_due = !(Span::ZERO..PAUSE).contains(&at.since(self.incident.timestamp));
+        let progress = match &self.told {
+            None => Progress::Opened,
+            Some(before) if now.differs(before) || is_due && now.is_more(before) => {
+                Progress::Revised
+            }
+            Some(_) => return None,
+        };
+        self.told = Some(now);
+        (self.incident.progress, self.incident.timestamp) = (progress, at);
+        Some(&self.incident)
+    }
+}

@@ -1,0 +1,38 @@
+//! What a process detector forgets, and when.
+
+use super::{FLOW, FRICTION, Process};
+
+impl Process {
+    pub(super) fn forget(&mut self) {
+        self.forget_cycles();
+        self.forget_flow();
+        self.forget_friction();
+    }
+
+    pub(super) fn forget_cycles(&mut self) {
+        self.of_spool.clear();
+        self.of_chambers.clear();
+        self.trace.clear();
+    }
+
+    pub(super) fn forget_flow(&mut self) {
+        if let Some(flow) = &mut self.flow {
+            flow.forget();
+        }
+    }
+
+    pub(super) fn forget_friction(&mut self) {
+        if let Some(friction) = &mut self.friction {
+            friction.forget();
+        }
+    }
+
+    /// Forgets what long windows still have of a fault that is over: it would raise its alarm again.
+    pub(super) fn forget_ended(&mut self, which: usize) {
+        match (which, &mut self.flow, &mut self.friction) {
+            (FLOW, Some(flow), _) => flow.forget_evidence(),
+            (FRICTION, _, Some(friction)) => friction.forget_evidence(),
+            _ => {}
+        }
+    }
+}
