@@ -150,8 +150,9 @@ fn the_worst_is_the_largest_against_its_limit_and_a_late_suspect_is_told_as_such
     assert!((seconds(step, "size").expect("a step") - 0.06).abs() < 5e-4, "{step}");
     let text = tertius(&["replay", &log, "--config", E_TYPE], b"").ok().stdout;
     assert!(text.contains("Worst: cylinder 1, C1 or C2, black: step of 60.3 mm"), "{text}");
-    let rows = text.lines().skip_while(|line| !line.contains("largest, mm  lasted")).skip(1);
-    let cylinders = rows.map_while(|row| row.split_whitespace().nth(1)?.parse::<u64>().ok());
+    let table = text.lines().skip_while(|line| !line.contains("largest, mm")).skip(1);
+    let rows = table.take_while(|row| !row.is_empty());
+    let cylinders = rows.filter_map(|row| row.split_whitespace().nth(1)?.parse::<u64>().ok());
     // By what was largest against its limit: trip, drift of 24 mm, noises of 6, 3 and 2 mm.
     assert_eq!(cylinders.collect::<Vec<_>>(), [1, 3, 5, 4, 2], "{text}");
     assert!(text.contains(" C2 late "), "{text}");
