@@ -257,3 +257,35 @@ fn the_latch_ends_when_the_other_transducer_is_back_and_agrees() {
     let newest = seen.estimates.iter().rfind(|it| source(it)).and_then(|it| it.2);
     assert!(newest.is_some_and(|it| it.source == Source::C1), "{newest:?}");
 }
+
+/// C1 has stood 10 mm off for a minute when C2 is lost, or steps, too; then C1 steps again.
+#[test]
+fn a_step_that_stood_still_is_subtracted_where_nothing_else_is_left() {
+    let mut setup = machine(fine(&[], ""));
+    let healthy = play(&setup, 130.0, &setup.options(9, &[]));
+    setup.settings.estimate.accommodate_after = Some(30.0);
+    for last in ["loss", "step,size=-0.02"] {
+        let of = |n: u8| {
+            let c1 =
+                |at: u32, size: &str| format!("step,cylinder={n},sensor=c1,at={at},size={size}");
+            [c1(40, "0.01"), format!("{last},cylinder={n},sensor=c2,at=100"), c1(120, "-0.004")]
+        };
+        let faults: Vec<String> = (1..=6).flat_map(of).collect();
+        let seen = play(&setup, 130.0, &setup.options(9, &faults));
+        let (mut corrected, mut off) = (0, 0);
+        for (told, right) in seen.estimates.iter().zip(&healthy.estimates) {
+            let (estimate, right) = (told.2.expect("it is known"), right.2.expect("it is known"));
+            let is_wrong = (estimate.position - right.position).abs() > 3.0 * estimate.sigma;
+            off += u32::from(estimate.valid && is_wrong && (101.0..120.0).contains(&told.1));
+            if estimate.source == Source::C1Corrected && estimate.valid {
+                corrected += 1;
+                assert!((100.0..120.01).contains(&told.1), "{last}: {told:?}");
+            }
+        }
+        // 20 s of six cylinders, less what it takes until C2 is blamed.
+        assert!(corrected > 5800, "{last}: {corrected}");
+        assert!(off < corrected / 100, "{last}: {off} of {corrected}");
+        let late = (1..=6).find_map(|n| seen.valid(n).into_iter().find(|at| *at > 120.01));
+        assert_eq!(late, None, "{last}: C1 stepped again");
+    }
+}

@@ -2,7 +2,9 @@
 
 use super::Connector;
 use tertius_core::compare::Comparator;
-use tertius_core::estimate::{Drive, Dynamics, EstimateParameters, LengthScale, SensorDesign};
+use tertius_core::estimate::{
+    AccommodationDesign, Drive, Dynamics, EstimateParameters, LengthScale, SensorDesign,
+};
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
 
@@ -44,6 +46,11 @@ impl Connector<'_> {
             difference: settings.comparator.bound,
             bound: settings.estimate.bound,
             lengths,
+            accommodation: settings.estimate.accommodate_after.map(|after| AccommodationDesign {
+                settle: settings.cycles(settings.observer.settle),
+                after: settings.cycles(after).max(2),
+                most: settings.cycles(settings.estimate.accommodate_for),
+            }),
             parameters,
         }
     }

@@ -12,7 +12,8 @@
 //! from the command ([`dynamics`]), and its standard deviation grows by the error that the same
 //! prediction had while there were readings to compare it with ([`growth`]); no figure of the model
 //! is trusted. Where no transducer is left because both are blamed, the prediction starts from a
-//! second earlier, since the last estimate includes their errors.
+//! second earlier, since the last estimate includes their errors. If it is configured, a transducer whose step stood still
+//! is read less that step instead ([`accommodation`]), and no longer than its innovations are small.
 //!
 //! Lengths are on the scale of C1, whose own error is not known.
 //!
@@ -21,6 +22,7 @@
 //! the standard deviation of a choice between them. It is always a part of σ; while a transducer is
 //! suspected, the largest value of the last second is used.
 
+mod accommodation;
 mod carrier;
 pub mod dynamics;
 pub mod filter;
@@ -31,6 +33,7 @@ pub mod scale;
 pub mod sensor;
 
 use crate::state::{choice, whole};
+pub use accommodation::AccommodationDesign;
 pub use dynamics::{Drive, Dynamics};
 pub use parameters::EstimateParameters;
 pub use scale::LengthScale;
@@ -44,9 +47,13 @@ pub enum Source {
     C2,
     /// Prediction by the command alone.
     Model,
+    /// C1 less the step that it stands off by.
+    C1Corrected,
+    /// The same of C2.
+    C2Corrected,
 }
 
-choice! { Source { Both, C1, C2, Model } }
+choice! { Source { Both, C1, C2, Model, C1Corrected, C2Corrected } }
 
 impl Source {
     /// Name in tables.
@@ -56,6 +63,8 @@ impl Source {
             Self::C1 => "c1",
             Self::C2 => "c2",
             Self::Model => "model",
+            Self::C1Corrected => "c1_corrected",
+            Self::C2Corrected => "c2_corrected",
         }
     }
 }

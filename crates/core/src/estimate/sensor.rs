@@ -1,5 +1,6 @@
 //! The virtual sensor of one cylinder: selects trusted transducers and estimates the length.
 
+use super::accommodation::{Accommodation, AccommodationDesign, Offset};
 use super::carrier::{Carrier, Reserve};
 use super::dynamics::{Dynamics, Feed};
 use super::filter::{Counted, Filter};
@@ -29,6 +30,8 @@ pub struct SensorDesign {
     pub bound: f64,
     /// Range of valid lengths, inclusive, m.
     pub lengths: (f64, f64),
+    /// When the step of a transducer is subtracted; `None`: never.
+    pub accommodation: Option<AccommodationDesign>,
     pub parameters: &'static EstimateParameters,
 }
 
@@ -52,6 +55,10 @@ pub struct SensorInput {
     pub undecided: bool,
     /// Whether the rod does not follow the command.
     pub process: bool,
+    /// Transducers that are blamed for a step, and for nothing else.
+    pub displaced: [bool; 2],
+    /// Transducers whose residual is beyond its threshold in this cycle.
+    pub beyond: [bool; 2],
     /// Whether no transducer is trusted, and a reading of the last one may have been wrong before it was blamed.
     pub doubted: bool,
 }
@@ -81,6 +88,8 @@ pub struct VirtualSensor {
     startled: f64,
     carrier: Option<Carrier>,
     reserve: Reserve,
+    /// The steps of C1 and C2.
+    accommodations: Option<[Accommodation; 2]>,
     /// Cycles since a trusted transducer was read.
     without: u32,
     /// Transducers that were trusted and had a reading in the previous cycle.
@@ -93,6 +102,7 @@ state! {
         velocity, feed, filters, growth, differences, difference, largest, startled, carrier, reserve,
         without, relied_on, cycle,
     }
+    parts { accommodations }
     but { design, cycles }
 }
 
@@ -111,6 +121,7 @@ impl VirtualSensor {
             without: 0,
             carrier: None,
             reserve: Reserve::default(),
+            accommodations: design.accommodation.map(|it| [0, 1].map(|_| Accommodation::new(it))),
             relied_on: [false; 2],
             cycle: 0,
             design,
@@ -145,9 +156,11 @@ impl VirtualSensor {
         }
         let source = self.choose(input);
         self.without = if source.is_some() { 0 } else { self.without.saturating_add(1) };
-        let estimate = match source {
-            Some(source) => self.tell(input, source),
-            None => self.carry(input),
+        self.accommodate(input);
+        let estimate = match (source, self.corrected(input)) {
+            (Some(source), _) => self.tell(input, source),
+            (None, Some((i, offset))) => Some(self.tell_corrected(input, i, offset)),
+            (None, None) => self.carry(input),
         };
         self.relied_on = [0, 1].map(|i| input.trusted[i] && self.filters[i].is_fresh());
         self.predict(input);
@@ -235,6 +248,50 @@ impl VirtualSensor {
             Source::Model,
             able && !input.process && !input.doubted,
         ))
+    }
+
+    /// Follows the steps of C1 and C2, where they are to be subtracted.
+    fn accommodate(&mut self, input: &SensorInput) {
+        let Some(accommodations) = &mut self.accommodations else { return };
+        for (i, step) in accommodations.iter_mut().enumerate() {
+            let other = 1 - i;
+            let is_alone = !input.trusted[other];
+            if !input.displaced[i] || is_alone && input.beyond[i] {
+                // It is another step now, or another fault.
+                step.forget();
+                continue;
+            }
+            let [own, others] = [i, other].map(|i| &self.filters[i]);
+            let compares = !is_alone && !input.process && own.is_fresh() && others.is_fresh();
+            step.step(compares.then(|| own.state()[0] - others.state()[0]));
+        }
+    }
+
+    /// The transducer that is read less its step, where none is trusted, and that step.
+    fn corrected(&self, input: &SensorInput) -> Option<(usize, Offset)> {
+        let accommodations = self.accommodations.as_ref()?;
+        let is_left = |i: &usize| {
+            let filter = &self.filters[*i];
+            !input.trusted[*i]
+                && input.displaced[*i]
+                && filter.is_fresh()
+                && filter.evidence()[0] >= self.design.settle
+        };
+        let usual = self.differences.value();
+        (0..2).filter(is_left).find_map(|i| Some((i, accommodations[i].offset(usual)?)))
+    }
+
+    /// The estimate by transducer `i` less its step.
+    fn tell_corrected(&mut self, input: &SensorInput, i: usize, offset: Offset) -> Estimate {
+        let filter = &self.filters[i];
+        let mut x = *filter.state();
+        x[0] -= offset.size;
+        let variance = filter.variance() + self.differences.value() + offset.variance;
+        let able = filter.evidence()[1] >= self.design.settle;
+        self.growth.recall();
+        self.carrier = Some(Carrier { x, variance, coasted: 0, able });
+        let source = [Source::C1Corrected, Source::C2Corrected][i];
+        self.judged(x[0], variance, source, able && !input.process)
     }
 
     fn judged(&self, position: f64, variance: f64, source: Source, evidence: bool) -> Estimate {

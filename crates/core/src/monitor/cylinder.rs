@@ -265,7 +265,7 @@ impl Cylinder {
         self.judge_precedence();
         self.judge_last(now, &residuals, good, command);
         if self.sensor.is_some() {
-            self.estimate(now, good);
+            self.estimate(now, good, &residuals);
         }
         let complete = self.is_complete();
         self.tally.count(&residuals, self.judged.contains(&true), complete);

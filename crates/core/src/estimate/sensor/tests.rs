@@ -34,6 +34,7 @@ fn sensor() -> VirtualSensor {
         difference: 1.5e-3,
         bound: 5e-3,
         lengths: (-1.0, 1.0),
+        accommodation: None,
         parameters: &EstimateParameters::DEFAULT,
     })
 }
@@ -48,6 +49,8 @@ fn sound(cycle: u64) -> SensorInput {
         follows: true,
         trusted: [true; 2],
         undecided: false,
+        displaced: [false; 2],
+        beyond: [false; 2],
         doubted: false,
         process: false,
     }
@@ -227,6 +230,61 @@ fn blame_that_leaves_nobody_goes_back_to_before_it() {
         assert!((stuck[0].expect("it is") - rod(cycle)).abs() > 0.02, "it went on");
         assert!(estimate.source == Source::Model && is_close(&estimate, cycle), "{estimate:?}");
     }
+}
+
+/// C1 stands 10 mm off, and then C2 is lost.
+#[test]
+fn a_step_that_stood_still_is_subtracted_once_nothing_else_is_left() {
+    const STOOD: u64 = 1000;
+    let displaced = |cycle| {
+        let mut input =
+            SensorInput { trusted: [false, true], displaced: [true, false], ..sound(cycle) };
+        input.lengths[0] = input.lengths[0].map(|c1| c1 + 0.01);
+        input
+    };
+    let alone = |cycle| {
+        let input = SensorInput { trusted: [false; 2], doubted: true, ..displaced(cycle) };
+        SensorInput { lengths: [input.lengths[0], None], ..input }
+    };
+    let stood = |for_cycles: u64, accommodation: Option<AccommodationDesign>| {
+        let mut sensor = sensor();
+        sensor.design.accommodation = accommodation;
+        let mut sensor = VirtualSensor::new(sensor.design);
+        for cycle in 1..LEARNT {
+            sensor.step(&sound(cycle));
+        }
+        for cycle in LEARNT..LEARNT + for_cycles {
+            assert_eq!(told(&mut sensor, displaced(cycle)).source, Source::C2);
+        }
+        sensor
+    };
+    let design = AccommodationDesign { settle: SETTLE, after: 800, most: 500 };
+    let mut sensor = stood(STOOD, Some(design));
+    for cycle in LEARNT + STOOD..LEARNT + STOOD + 500 {
+        let estimate = told(&mut sensor, alone(cycle));
+        assert!(estimate.valid && estimate.source == Source::C1Corrected, "{estimate:?}");
+        assert!(is_close(&estimate, cycle) && estimate.without > 0.0, "{cycle}: {estimate:?}");
+    }
+    let end = LEARNT + STOOD + 500;
+    let estimate = told(&mut sensor.clone(), alone(end));
+    assert!(estimate.source == Source::Model && !estimate.valid, "too old: {estimate:?}");
+    // Another step, or another fault, and a step that did not stand for long enough or is not to be subtracted.
+    let mut again = stood(STOOD, Some(design));
+    let now = LEARNT + STOOD;
+    for input in [
+        SensorInput { beyond: [true, false], ..alone(now) },
+        SensorInput { displaced: [false; 2], ..alone(now) },
+    ] {
+        let mut sensor = again.clone();
+        assert_ne!(told(&mut sensor, input).source, Source::C1Corrected);
+        assert_ne!(told(&mut sensor, alone(now + 1)).source, Source::C1Corrected);
+    }
+    assert_eq!(told(&mut again, alone(now)).source, Source::C1Corrected);
+    assert_ne!(
+        told(&mut stood(700, Some(design)), alone(LEARNT + 700)).source,
+        Source::C1Corrected
+    );
+    assert_ne!(told(&mut stood(STOOD, None), alone(now)).source, Source::C1Corrected);
 }
 
 #[test]

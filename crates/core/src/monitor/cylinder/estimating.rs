@@ -6,7 +6,7 @@ use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::estimate::{Estimate, SensorInput, VirtualSensor};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::Measurement;
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, Residuals, Suspect};
 use alloc::boxed::Box;
 
 impl Cylinder {
@@ -38,10 +38,17 @@ impl Cylinder {
     }
 
     /// Estimates the length, after everything that blames a transducer in this cycle has done so.
-    pub(super) fn estimate(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
+    pub(super) fn estimate(
+        &mut self,
+        now: Evaluation,
+        good: [Option<Measurement>; 2],
+        residuals: &Residuals,
+    ) {
         let found = if self.finds_anything() { self.findings() } else { Default::default() };
         let blames = |suspect| found.iter().flatten().any(|it: &Finding| it.suspect == suspect);
         let trusted = [!blames(Suspect::C1), !blames(Suspect::C2)];
+        let high = self.design.bank.observer.high;
+        let is_beyond = |innovation: f64| innovation.abs() > high;
         let live = self.command_missing < self.design.command_stale;
         let input = SensorInput {
             cycle: now.cycle,
@@ -53,8 +60,16 @@ impl Cylinder {
             // Whoever is blamed is what the two differ by.
             undecided: blames(Suspect::Undecided) && trusted == [true; 2],
             process: blames(Suspect::Process),
+            displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
+            beyond: [0, 1].map(|i| residuals.r[i].is_some_and(is_beyond)),
             doubted: self.is_last_doubted(&found, trusted),
         };
         self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
     }
+}
+
+/// Whether `suspect` is blamed for a step, and for nothing else.
+fn is_displaced(found: &[Option<Finding>; PLACES], suspect: Suspect) -> bool {
+    let mut blaming = found.iter().flatten().filter(|it| it.suspect == suspect).peekable();
+    blaming.peek().is_some() && blaming.all(|it| it.fault == Fault::Abrupt)
 }
