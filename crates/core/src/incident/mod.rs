@@ -7,6 +7,7 @@
 //! mean. What most cylinders show in one moment, and what is wrong with the supply that they share, is one incident of
 //! the machine (`shared`).
 
+mod adding;
 mod fusing;
 mod joining;
 mod parameters;
