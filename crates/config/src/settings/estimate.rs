@@ -13,7 +13,7 @@ table! {
             "where no other transducer is left, the step of one that has stood still this long is subtracted from its \
              reading, s; absent: never";
         accommodate_for: f64 = 600.0 => number(Limits::above(0.0, DURATION).most(86_400.0)),
-            "600.0", "and no longer than this after the other transducer has confirmed the step, s";
+            "600.0", "a step is subtracted no longer than this after the other transducer has confirmed it, s";
         bound: f64 = 5e-3 =>
             number(Limits::above(0.0, "a standard deviation in metres; Fd_Estimate has room for 0.065").most(0.065)),
             "0.005", "an estimate with a larger standard deviation is not valid, m";
