@@ -11,6 +11,9 @@ const LEAST_ABSOLUTE: Timestamp = Timestamp::from_nanos(100_000_000_000_000_000)
 const BACKWARDS: u64 = 8;
 /// Fewest frames by which that is known.
 const FRAMES: u64 = 50;
+/// Fewest jumps of the time stamps, and of which number of cycles one is a jump at the least, where a logger has written
+/// in pieces: a clock is not set that often, and no observer settles between the jumps.
+const JUMPS: [u64; 2] = [8, 100];
 
 /// The time of a recording.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +45,14 @@ pub fn unusable(
              replay with --time-stamps delta",
             counts.backwards,
             counted(counts.used, "frame"),
+        ));
+    }
+    let [least, of_cycles] = JUMPS;
+    if counts.backwards >= least && counts.time_jumps >= least.max(counts.cycles / of_cycles) {
+        return Some(format!(
+            "the time stamps go back {}, as where a logger writes some frames later than others: put the frames in order, \
+             with tertius convert RECORDING all.log, then sort -s -k 1,1 all.log > sorted.log",
+            super::wording::times(counts.backwards),
         ));
     }
     None

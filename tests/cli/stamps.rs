@@ -56,6 +56,20 @@ fn time_stamps_since_the_frame_before_are_told_and_read_on_request() {
     assert_eq!(read.incidents().len(), right.incidents().len());
 }
 
+/// Every 0.4 s what was recorded with odd numbers is written after the rest.
+#[test]
+fn frames_that_a_logger_wrote_late_are_told_with_what_puts_them_in_order() {
+    let scratch = Scratch::new();
+    let log = hanging_load();
+    let lines: Vec<&str> = log.split_inclusive('\n').collect();
+    let pieces = lines.chunks(40).flat_map(|piece| {
+        let of = |odd: usize| piece.iter().copied().skip(odd).step_by(2);
+        of(0).chain(of(1)).collect::<Vec<&str>>()
+    });
+    let unsorted = scratch.write("unsorted.log", pieces.collect::<String>());
+    is_unjudged(&unsorted, &["the time stamps go back", "sort -s -k 1,1 all.log > sorted.log"]);
+}
+
 /// Whatever the reason: too few cycles for an observer are no sign of health.
 #[test]
 fn a_recording_in_which_no_observer_judged_is_not_judged() {
