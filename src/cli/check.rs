@@ -12,6 +12,7 @@ use super::run;
 use crate::config::Settings;
 use crate::config::settings::{CylinderSignals, bus_of};
 use crate::decode::Raw;
+use crate::report::alignment;
 use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
@@ -120,6 +121,7 @@ fn doubts(machine: &Machine) -> String {
     doubts.extend((1..=settings.machine.cylinders).filter_map(|n| critical_doubt(settings, n)));
     doubts.extend(fast_doubt(settings));
     doubts.extend(model_doubt(machine));
+    doubts.extend(alignment::doubt(&settings.unaligned()).map(|it| format!("cylinder: {it}")));
     doubts.extend(run::not_built(settings));
     if doubts.is_empty() {
         return String::new();

@@ -1,5 +1,6 @@
 //! The commands as people run them: their outputs, files and messages.
 
+mod alignment;
 mod buses;
 mod canopen;
 mod canopen_story;

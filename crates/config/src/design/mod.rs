@@ -186,6 +186,7 @@ impl<'a> Connector<'a> {
                     high: settings.comparator.bound,
                     clear,
                 },
+                calibrated: settings.is_aligned(n),
                 coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
                 parameters: &verdict::VerdictParameters::DEFAULT,
