@@ -22,6 +22,7 @@ mod gateway_frames;
 mod golden;
 mod incidents;
 mod init;
+mod init_named;
 mod inject_cli;
 mod inject_oracle;
 mod machines;

@@ -312,6 +312,9 @@ impl Writer<'_> {
         if let Some(signal) = (0..catalogue.signals()).find(is_supply) {
             let line = (Certainty::Guessed, "by its name and unit".to_owned());
             self.line("signals", "supply", quoted(catalogue.name(signal)), line);
+        } else {
+            let lack = "supply: nothing found that its name calls the supply's pressure in bar";
+            self.proposal.lacks.push(lack.to_owned());
         }
     }
 
@@ -320,9 +323,8 @@ impl Writer<'_> {
         let Some(picks) = picks else {
             let having = cylinders.iter().filter(|picks| picks.contains_key(key)).count();
             let lack = match having {
-                0 if key == "c2_velocity"
-                    || key == "c1_velocity"
-                    || key.starts_with("pressure") =>
+                0 if ["c1_velocity", "c2_velocity", "pressure_bottom", "pressure_rod", "spool"]
+                    .contains(&key) =>
                 {
                     format!("{key}: nothing found")
                 }
