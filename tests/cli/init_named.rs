@@ -75,7 +75,7 @@ fn spool_pressures_and_supply_of_cylinders_with_names_are_found() {
         let signals = &found.signals.cylinder;
         let of = |pattern: &str, n: u8| config::settings::CylinderSignals::of_cylinder(pattern, n);
         for (n, name) in (1..).zip(names) {
-            assert_eq!(of(&signals.c1, n), format!("{name}_Back.Position"));
+            assert_eq!(of(&signals.c1, n), format!("{name}_Main.Position"));
             assert_eq!(of(&signals.control_speed, n), format!("{name}_Servo.ControlSpeed"));
             for (key, signal) in [
                 (&signals.spool, "SpoolPosition"),

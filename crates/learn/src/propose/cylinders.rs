@@ -84,9 +84,7 @@ struct Assembly<'a> {
 impl Assembly<'_> {
     fn picks(&self, twins: &Twins, name: Option<&[String]>, lacks: &mut Vec<String>) -> Picks {
         let catalogue = self.catalogue;
-        let mut order = [0, 1];
-        // C1 before C2, A before B, main before redundant.
-        order.sort_by_key(|place| catalogue.name(twins.signals[*place]));
+        let order = naming::in_order(twins.signals.map(|signal| catalogue.name(signal)));
         let agreement = &twins.agreement;
         let unit = catalogue.unit(twins.signals[0]);
         let mut why = format!(
@@ -107,9 +105,10 @@ impl Assembly<'_> {
         for (place, [position, velocity]) in
             order.into_iter().zip([["c1", "c1_velocity"], ["c2", "c2_velocity"]])
         {
-            let why = format!("{why}; which of them is C1 follows from their names");
+            // That they are a pair is sure, and their order is not.
+            let why = format!("{why}; which of them is C1 is told by their names alone");
             let signal = twins.signals[place];
-            picks.insert(position, Pick { signal, certainty: Certainty::Sure, why });
+            picks.insert(position, Pick { signal, certainty: Certainty::Guessed, why });
             if let Some((signal, found)) = twins.velocities[place] {
                 let why =
                     format!("the derivative of {position}, correlation {:.3}", found.correlation);

@@ -2,19 +2,11 @@
 
 use super::catalogue::Catalogue;
 use super::cylinders::{Assembled, KEYS, Pick, Picks, beside_positions, complete, pressures};
+use super::naming::TWINS;
 use super::pattern;
 use super::tally::BusTally;
 use super::words::{Hint, Measure, measure, says, words};
 use super::{Certainty, MOST_CYLINDERS};
-
-/// Words by which the names of two transducers of one length differ.
-const TWINS: [[&str; 2]; 5] = [
-    ["a", "b"],
-    ["main", "redundant"],
-    ["primary", "secondary"],
-    ["main", "backup"],
-    ["haupt", "redundant"],
-];
 
 /// The cylinders whose two transducers and command are told by names and units; `None` if there are none.
 pub(super) fn by_names(catalogue: &Catalogue<'_>, tally: &BusTally) -> Option<Assembled> {

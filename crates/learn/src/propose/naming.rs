@@ -2,6 +2,18 @@
 
 use super::words::words;
 
+/// Words by which the names of two transducers of one length differ, that of C1 first.
+pub(super) const TWINS: [[&str; 2]; 8] = [
+    ["a", "b"],
+    ["main", "redundant"],
+    ["primary", "secondary"],
+    ["main", "backup"],
+    ["haupt", "redundant"],
+    ["main", "back"],
+    ["main", "spare"],
+    ["primary", "redundant"],
+];
+
 /// Letters that one of the words has at least: single ones stand for anything.
 const LEAST_LETTERS: usize = 2;
 
@@ -25,6 +37,20 @@ pub(super) fn of_cylinders(names: &[Vec<&str>]) -> Vec<Option<Vec<String>>> {
     (0..all.len()).map(|place| of(place).filter(|_| all.len() > 1)).collect()
 }
 
+/// The places of two transducers by their names, that of C1 first: by what they are called, or else C1 before C2.
+pub(super) fn in_order(names: [&str; 2]) -> [usize; 2] {
+    let [left, right] = names.map(words);
+    let called = |one: &[String], two: &[String]| {
+        one.iter().zip(two).any(|(one, two)| TWINS.contains(&[one.as_str(), two.as_str()]))
+    };
+    match (called(&left, &right), called(&right, &left)) {
+        (true, _) => [0, 1],
+        (false, true) => [1, 0],
+        (false, false) if names[0] <= names[1] => [0, 1],
+        (false, false) => [1, 0],
+    }
+}
+
 /// Whether a name has these words in a row.
 pub(super) fn is_of(name: &str, cylinder: &[String]) -> bool {
     has(&words(name), &cylinder)
@@ -40,6 +66,19 @@ mod tests {
 
     fn told(names: &[Vec<&str>]) -> Vec<Option<String>> {
         of_cylinders(names).into_iter().map(|it| it.map(|words| words.join(" "))).collect()
+    }
+
+    #[test]
+    fn the_main_one_is_c1_and_else_the_first_by_its_name() {
+        for (names, order) in [
+            (["Cyl1_C1.Position", "Cyl1_C2.Position"], [0, 1]),
+            (["Cyl1_C2.Position", "Cyl1_C1.Position"], [1, 0]),
+            (["FwdPort_Back.Position", "FwdPort_Main.Position"], [1, 0]),
+            (["Rod.PosRedundant", "Rod.PosPrimary"], [1, 0]),
+            (["RodA.Pos", "RodB.Pos"], [0, 1]),
+        ] {
+            assert_eq!(in_order(names), order, "{names:?}");
+        }
     }
 
     #[test]
