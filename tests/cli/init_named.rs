@@ -1,9 +1,9 @@
-//! `tertius init` on a machine whose cylinders have names.
+//! `tertius init` on a machine whose cylinders have names, and on one that measures in millimetres.
 
 use std::fmt::Write as _;
 use std::fs;
 use tertius::config::{self, Settings};
-use tertius_testing::support::{Run, Scratch, tertius, top};
+use tertius_testing::support::{Run, Scratch, changed, replay, tertius, top};
 
 const DBC: &str = "dbc/e-type.dbc";
 const NAMES: [&str; 6] = ["FwdPort", "FwdStbd", "MidPort", "MidStbd", "AftPort", "AftStbd"];
@@ -88,4 +88,71 @@ fn spool_pressures_and_supply_of_cylinders_with_names_are_found() {
         }
         assert_eq!(found.signals.supply.as_deref(), Some("Plc_State.AccuPress"));
     }
+}
+
+/// The machine's DBC in millimetres, and its valves' pressures in MPa.
+fn in_millimetres() -> String {
+    let text = fs::read_to_string(top().join(DBC)).expect("it is there");
+    let mut lines = String::new();
+    for line in text.lines() {
+        let own =
+            line.contains("Fd_") || line.contains("Position : 32|16") || line.contains("Sigma");
+        let of = [
+            ("Position : ", "\"m\"", "\"mm\"", 1e3),
+            ("Velocity : ", "\"m/s\"", "\"mm/s\"", 1e3),
+            ("ControlSpeed : ", "\"m/s\"", "\"mm/s\"", 1e3),
+            ("Pressure", "\"bar\"", "\"MPa\"", 0.1),
+        ];
+        let found = of.iter().find(|(name, unit, ..)| line.contains(name) && line.contains(unit));
+        let Some((_, from, to, times)) = found.filter(|_| !own) else {
+            lines += &(line.to_owned() + "\n");
+            continue;
+        };
+        let (before, rest) = line.split_once('(').expect("a factor");
+        let (factor, rest) = rest.split_once(',').expect("an offset");
+        let (offset, rest) = rest.split_once(") [").expect("a range");
+        let (low, rest) = rest.split_once('|').expect("two ends");
+        let (high, rest) = rest.split_once(']').expect("its end");
+        let [factor, offset, low, high] =
+            [factor, offset, low, high].map(|it| it.parse::<f64>().expect("a number") * times);
+        let rest = rest.replace(from, to);
+        _ = writeln!(lines, "{before}({factor:?},{offset:?}) [{low:?}|{high:?}]{rest}");
+    }
+    lines
+}
+
+#[test]
+fn millimetres_are_read_as_metres_with_the_maker_s_dbc() {
+    let scratch = Scratch::new();
+    let log = scratch.path("machine.log");
+    let config = "config/e-type-simulated.toml";
+    let fault = "drift,cylinder=2,sensor=c1,rate=0.002,at=10";
+    let call = ["simulate", "--config", config, "--duration", "30", "--seed", "1"];
+    tertius(&[&call[..], &["--fault", fault, "--output", &log]].concat(), b"").ok();
+
+    let dbc = scratch.write("mm.dbc", in_millimetres());
+    let text = fs::read_to_string(top().join(config)).expect("it ships");
+    let maker = scratch.write("mm.toml", changed(&text, &[("../dbc/e-type.dbc", "mm.dbc")]));
+    let told = tertius(&["check", &maker], b"").ok().stdout;
+    for line in [
+        "Cyl1_C1.Position and 11 more in \"mm\" are read in \"m\"\n",
+        "Cyl1_C1.Velocity and 17 more in \"mm/s\" are read in \"m/s\"\n",
+        "Cyl1_Valve.PressureBottom and 12 more in \"MPa\" are read in \"bar\"\n",
+    ] {
+        assert!(told.contains(line), "{line:?} is not in\n{told}");
+    }
+    let [ours, theirs] = [config, &maker].map(|config| replay(&[&log], config, &[]).ok());
+    assert_eq!(ours.incidents(), theirs.incidents());
+    assert!(!ours.incidents().is_empty());
+    // Frames are written in its units, too.
+    let again = scratch.path("again.log");
+    let call = ["simulate", "--config", &maker, "--duration", "30", "--seed", "1"];
+    tertius(&[&call[..], &["--fault", fault, "--output", &again]].concat(), b"").ok();
+    assert_eq!(scratch.read("machine.log"), scratch.read("again.log"));
+
+    let run = init(&dbc, &log);
+    let found = settings(&run.stdout);
+    assert_eq!(found.machine.stroke, [-1.5, 1.5]);
+    assert_eq!(found.signals.cylinder.c1, "Cyl{n}_C1.Position");
+    assert!(!run.stderr.contains("scale factor"), "{}", run.stderr);
 }

@@ -337,7 +337,8 @@ impl<'a> Connector<'a> {
         }
     }
 
-    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit.
+    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit. What [`crate::units`] knows
+    /// was converted before.
     fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
         let expected = match field {
             Field::Position(_) => "m",
@@ -350,7 +351,9 @@ impl<'a> Connector<'a> {
             self.flaws.push(Flaw::new(
                 key,
                 format!("{name} is in {:?}, expected {expected:?}", signal.unit),
-                format!("scale factor, offset and range of the DBC to {expected}"),
+                format!(
+                    "the unit is not known; scale factor, offset and range of the DBC to {expected}"
+                ),
             ));
         }
     }

@@ -9,6 +9,7 @@ use super::track::Tracks;
 use super::words::{Hint, says};
 use super::{Certainty, Proposal, ProposedLine, quoted};
 use std::collections::BTreeMap;
+use tertius_config::units::conversion;
 use tertius_core::frame::Id;
 use tertius_dbc::Signal;
 
@@ -148,13 +149,15 @@ impl Writer<'_> {
             cylinders.iter().filter_map(|picks| Some(picks.get("c1")?.signal)).collect();
         let Some(&first) = signals.first() else { return };
         let unit = self.catalogue.unit(first).to_owned();
-        if !matches!(unit.as_str(), "" | "m") {
+        let known = conversion(&unit);
+        if known.is_none() && !unit.is_empty() {
             self.proposal.lacks.push(format!(
-                "{} is in {unit:?}: lengths are metres; scale factor, offset and range of the positions in the DBC \
-                 to \"m\" (`tertius check` names each one), and the stroke below with them",
+                "{} is in {unit:?}, which is not known: lengths are metres; scale factor, offset and range of the \
+                 positions in the DBC to \"m\" (`tertius check` names each one), and the stroke below with them",
                 self.catalogue.name(first)
             ));
         }
+        let [times, per] = known.unwrap_or([1.0; 2]);
         let ranges: Option<Vec<[f64; 2]>> =
             signals.iter().map(|signal| self.catalogue.signals[*signal].signal.range).collect();
         let outward = |[low, high]: [f64; 2]| {
@@ -165,7 +168,7 @@ impl Writer<'_> {
         let of = |ranges: &[[f64; 2]]| {
             let lows: Vec<f64> = ranges.iter().flatten().copied().collect();
             let (low, high) = ends(&lows);
-            outward([low, high])
+            outward([low, high].map(|end| end * times / per))
         };
         let (ends, line) = match ranges {
             Some(ranges) => {
