@@ -110,3 +110,23 @@ fn a_difference_from_the_start_of_a_calibrated_machine_is_an_incident_and_no_ste
     assert_eq!((&opened[0]["cylinder"], &opened[0]["fault"]), (&1.into(), &"unclassified".into()));
     assert_eq!(remarks(&run), [] as [&str; 0]);
 }
+
+#[test]
+fn the_log_tells_once_that_a_machine_is_not_calibrated() {
+    let scratch = Scratch::new();
+    let log = scratch.path("machine.log");
+    let call = ["simulate", "--config", SIMULATED, "--seed", "1", "--duration", "10"];
+    tertius(&[&call[..], &["--output", &log]].concat(), b"").ok();
+    let told = |config: &str| {
+        let set = ["--set", "bus.interface=virtual", "--set", "http.listen=off"];
+        let play = ["run", "--config", config, "--play", &log, "--speed", "max"];
+        let run = tertius(&[&play[..], &set].concat(), b"").ok();
+        let warned = run.stderr.lines().filter(|line| line.contains("WARN"));
+        warned.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let warned = told(BARE);
+    let [line] = &warned[..] else { panic!("{warned:?}") };
+    assert!(line.contains("not calibrated: run `tertius commission`"), "{line}");
+    let calibrated = told(SIMULATED);
+    assert!(calibrated.iter().all(|line| !line.contains("not calibrated")), "{calibrated:?}");
+}
