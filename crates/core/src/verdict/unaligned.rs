@@ -93,6 +93,6 @@ mod tests {
         assert_eq!(judged(&[[4.9, 0.0], [6.5, 0.0]]), (true, true));
         assert_eq!(judged(&[[4.9, 0.0], [3.3, 0.0]]), (true, true), "it goes the other way");
         assert_eq!(judged(&[[4.9, 0.0], [11.5, 1.0]]), (true, true));
-        assert_eq!(judged(&[[0.2, 0.0], [4.9, 0.0]]).0, false, "it came later");
+        assert!(!judged(&[[0.2, 0.0], [4.9, 0.0]]).0, "it came later");
     }
 }
