@@ -100,6 +100,7 @@ const fn fault(fault: Fault) -> &'static str {
         Fault::Command => "late or wrong command of the valve",
         Fault::Friction => "friction of the rod",
         Fault::Unclassified => "unclassified error",
+        Fault::NotCalibrated => "not calibrated",
     }
 }
 
@@ -231,7 +232,7 @@ pub fn advice(incident: &Incident) -> String {
             let otherwise = otherwise(incident);
             format!("Check the connector, the cable and the magnet of {whom}.{otherwise}")
         }
-        (_, Fault::Incipient | Fault::Unclassified) => {
+        (_, Fault::Incipient | Fault::Unclassified | Fault::NotCalibrated) => {
             let otherwise = otherwise(incident);
             format!("Check the mounting and the magnet of {whom}, and have it calibrated.{otherwise}")
         }

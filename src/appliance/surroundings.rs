@@ -25,6 +25,7 @@ use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor::{Monitor, Notice, Record};
+use crate::report::alignment;
 use crate::report::jsonl::restart_name;
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::{Apart, Dwell};
@@ -142,6 +143,9 @@ impl Appliance {
                 "the configuration has no [model]: R1 and R2 are judged by that of another machine (thesis, Table 4-1); \
                  `tertius commission` learns this machine's"
             );
+        }
+        if let Some(doubt) = alignment::doubt(&facts.not_calibrated) {
+            warn!("{doubt}");
         }
         let (configuration, calibration) = (&*facts.identity, facts.calibration.as_deref());
         info!(configuration, calibration, "what is judged by");

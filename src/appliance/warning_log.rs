@@ -5,7 +5,8 @@ use crate::alarm::{State, Warning};
 use crate::incident::{Incident, MOST_AT_ONCE, Progress};
 use crate::live::outbox::OutboxLimits;
 use crate::story;
-use tracing::{info, warn};
+use crate::verdict::Fault;
+use tracing::{debug, info, warn};
 
 /// Most warnings that wait: as many as wait to be sent. Further ones are logged at once.
 const WAITING: usize = OutboxLimits::WAITING;
@@ -73,6 +74,10 @@ fn write(warning: &Warning) {
             )
         };
     }
+    if finding.fault == Fault::NotCalibrated {
+        // It was logged at the start that there is no calibration.
+        return tell!(debug);
+    }
     match warning.state {
         State::Cleared => tell!(info),
         State::Raised | State::Changed => tell!(warn),
@@ -109,7 +114,7 @@ mod tests {
     use super::*;
     use crate::alarm::{Detector, Finding, Level};
     use crate::time::Timestamp;
-    use crate::verdict::{Fault, Suspect};
+    use crate::verdict::Suspect;
 
     #[test]
     fn a_storm_is_logged_and_not_kept() {

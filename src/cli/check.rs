@@ -11,7 +11,9 @@ use super::overriding::SetOptions;
 use super::run;
 use crate::config::Settings;
 use crate::config::settings::{CylinderSignals, bus_of};
+use crate::config::units::Converted;
 use crate::decode::Raw;
+use crate::report::alignment;
 use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
@@ -77,6 +79,7 @@ fn describe(machine: &Machine) -> String {
     );
     text += &buses(machine);
     text += &format!("judged by {}\n", machine.loaded.fingerprints());
+    text += &units(machine);
     text += &overrides(machine);
     text += &cylinders::describe(machine);
     text += &deck::describe(machine);
@@ -102,6 +105,19 @@ fn buses(machine: &Machine) -> String {
     format!("{}\n", buses.collect::<Vec<_>>().join("; "))
 }
 
+/// The signals that are read in another unit than the DBC gives them; empty without.
+fn units(machine: &Machine) -> String {
+    let line = |it: &Converted| {
+        let more = match it.signals.len() {
+            1 => String::new(),
+            all => format!(" and {} more", all - 1),
+        };
+        let first = it.signals.first().map_or("", String::as_str);
+        format!("{first}{more} in {:?} are read in {:?}\n", it.from, it.to)
+    };
+    machine.converted.iter().map(line).collect()
+}
+
 /// The values that come from outside the file; empty without.
 fn overrides(machine: &Machine) -> String {
     let overrides = machine.loaded.document.overrides();
@@ -119,7 +135,9 @@ fn doubts(machine: &Machine) -> String {
     let mut doubts = broken_wire_doubts(machine);
     doubts.extend((1..=settings.machine.cylinders).filter_map(|n| critical_doubt(settings, n)));
     doubts.extend(fast_doubt(settings));
+    doubts.extend(command_doubt(machine));
     doubts.extend(model_doubt(machine));
+    doubts.extend(alignment::doubt(&settings.unaligned()).map(|it| format!("cylinder: {it}")));
     doubts.extend(run::not_built(settings));
     if doubts.is_empty() {
         return String::new();
@@ -153,6 +171,20 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
         }
     }
     doubts
+}
+
+/// A command that is a speed in a unit that is not known.
+fn command_doubt(machine: &Machine) -> Option<String> {
+    let signals = &machine.loaded.settings.signals.cylinder;
+    let name = CylinderSignals::of_cylinder(&signals.control_speed, 1);
+    let (_, signal) = machine.database.signal(bus_of(&name)?.1).ok()?;
+    let unit = &*signal.unit;
+    (unit.contains('/') && unit != "m/s").then(|| {
+        format!(
+            "signals.cylinder.control_speed: {name} is in {unit:?}, which is not known, and its numbers are taken for \
+             m/s: scale factor, offset and range of the DBC to \"m/s\""
+        )
+    })
 }
 
 /// A machine that is faster than the rings were made for.

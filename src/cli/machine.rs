@@ -5,6 +5,7 @@ use crate::bus::{Interfaces, SeveralInterfaces};
 use crate::config::design::{self, Flaw};
 #[cfg(feature = "cli")]
 use crate::config::settings::bus_of;
+use crate::config::units::Converted;
 use crate::config::{self, Document, Loaded, Overrides, Settings, Sheet};
 use crate::dbc::{self, Database};
 use crate::frame::BusNumber;
@@ -35,6 +36,8 @@ pub type Designer = fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>
 pub struct Machine {
     pub loaded: Loaded,
     pub database: Database,
+    /// Signals that are read in another unit than the DBC gives them.
+    pub converted: Vec<Converted>,
     pub design: MonitorDesign,
 }
 
@@ -167,9 +170,10 @@ impl Machine {
         })?;
         config::devices::connect(&loaded.settings, &loaded.sheets, &mut database)
             .map_err(|flaws| refusal(&loaded, &flaws))?;
+        let converted = config::units::convert(&loaded.settings, &mut database);
         let design =
             design(&loaded.settings, &database).map_err(|flaws| refusal(&loaded, &flaws))?;
-        Ok(Self { loaded, database, design })
+        Ok(Self { loaded, database, converted, design })
     }
 
     /// The files of the machine that a command must not overwrite, `config` among them.

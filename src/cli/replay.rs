@@ -15,6 +15,7 @@ use super::recordings;
 use super::state::{self, StateFile};
 use crate::bus::{Options, Recording, Statistics, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
+use crate::report::alignment;
 use crate::report::human::{self, Heading};
 use crate::report::page::{self, PageRecorder};
 use crate::report::stamps::Stamped;
@@ -287,6 +288,8 @@ impl Replay {
         let blanks = Blanks { blanks: blanks.collect(), unjudged: monitor.unjudged().collect() };
         let episodes = std::mem::take(&mut output.episodes);
         let incidents = std::mem::take(&mut output.incidents);
+        let remarks: Vec<String> =
+            remarks.iter().cloned().chain(alignment::remark(&episodes)).collect();
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
         let stops = Stops::new(histories, machine.loaded.settings.drift_limits());
         let summary = Summary {
@@ -297,7 +300,7 @@ impl Replay {
             fingerprints: &machine.loaded.fingerprints(),
             has_model: machine.loaded.has_model(),
             judgement,
-            remarks,
+            remarks: &remarks,
             statistics,
             counts: monitor.counts(),
             tallies: &tallies,

@@ -1,5 +1,6 @@
 //! Output of a replay for people and scripts: lines of JSON, tables of residuals, a page of text.
 
+pub mod alignment;
 pub mod calibration;
 #[cfg(feature = "parquet")]
 pub mod columns;

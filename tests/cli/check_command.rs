@@ -52,7 +52,7 @@ fn a_sound_configuration_is_described() {
     ] {
         assert!(text.contains(line), "{line:?} is not in\n{text}");
     }
-    assert!(!text.contains("worth a look"), "the shipped DBC is clean: {text}");
+    assert!(!text.contains("dbc: worth a look"), "the shipped DBC is clean: {text}");
 
     let text = check(HANGING_LOAD).ok().stdout;
     assert!(text.contains("1 cylinder, every 0.02 s; FDE1 and FDE2 always judge"), "{text}");
@@ -192,12 +192,30 @@ const CYL1_C1: &str = "BO_ 385 Cyl1_C1: 6 Transducer1_C1\n SG_ Position : 0|16@1
 #[test]
 fn a_length_that_is_not_in_metres() {
     let scratch = Scratch::new();
+    let feet = CYL1_C1
+        .replace("(0.00010850694444444444,-1.5) [-1.49989149305556|1.5]", "(0.000356,-4.92) [0|0]")
+        .replace("\"m\"", "\"ft\"");
+    let config = with_dbc(&scratch, CYL1_C1, &feet);
+    let words = ["Cyl1_C1.Position is in \"ft\", expected \"m\"", "scale factor, offset and range"];
+    refused(&scratch, &config, 1, "\"Cyl{n}_C1.Position\"", &words);
+    // A unit that is known is converted.
     let millimetres = CYL1_C1
         .replace("(0.00010850694444444444,-1.5) [-1.49989149305556|1.5]", "(0.1085,-1500) [0|0]")
         .replace("\"m\"", "\"mm\"");
-    let config = with_dbc(&scratch, CYL1_C1, &millimetres);
-    let words = ["Cyl1_C1.Position is in \"mm\", expected \"m\"", "scale factor, offset and range"];
-    refused(&scratch, &config, 1, "\"Cyl{n}_C1.Position\"", &words);
+    let text = check(&with_dbc(&scratch, CYL1_C1, &millimetres)).ok().stdout;
+    assert!(text.contains("\nCyl1_C1.Position in \"mm\" are read in \"m\"\n"), "{text}");
+    // A command has any unit, and one that is another speed is told.
+    let speed = "ControlSpeed : 0|16@1- (0.0001,0) [-3.2768|3.2767] \"m/s\"";
+    let dbc = "BO_ 417 Cyl1_Valve: 8 Valve1\n SG_ ";
+    let [known, unknown] = ["mm/s", "km/h"].map(|unit| {
+        let other = format!("{dbc}{}", speed.replace("m/s", unit));
+        check(&with_dbc(&scratch, &format!("{dbc}{speed}"), &other)).ok().stdout
+    });
+    assert!(known.contains("Cyl1_Valve.ControlSpeed in \"mm/s\" are read in \"m/s\""), "{known}");
+    assert!(!known.contains("control_speed"), "{known}");
+    let (_, doubts) = unknown.split_once("worth a look").expect("a doubt");
+    let words = "signals.cylinder.control_speed: Cyl1_Valve.ControlSpeed is in \"km/h\"";
+    assert!(doubts.contains(words), "{unknown}");
     // Without a unit it is believed.
     let config = with_dbc(&scratch, CYL1_C1, &CYL1_C1.replace("\"m\"", "\"\""));
     check(&config).ok();

@@ -1,5 +1,6 @@
 //! The commands as people run them: their outputs, files and messages.
 
+mod alignment;
 mod buses;
 mod canopen;
 mod canopen_story;
@@ -21,6 +22,7 @@ mod gateway_frames;
 mod golden;
 mod incidents;
 mod init;
+mod init_named;
 mod inject_cli;
 mod inject_oracle;
 mod machines;

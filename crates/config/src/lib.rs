@@ -25,6 +25,7 @@ mod resolve;
 mod schema;
 pub mod settings;
 mod text;
+pub mod units;
 mod walk;
 
 use serde::Deserialize;

@@ -86,6 +86,16 @@ impl Settings {
         self.own(n).map_or((1.0, 0.0), |cylinder| (cylinder.c2_gain, cylinder.c2_offset))
     }
 
+    /// Whether a calibration has told by how much C1 and C2 of cylinder `n` differ; (1, 0) of (5-20) tells nothing.
+    pub fn is_aligned(&self, n: u8) -> bool {
+        self.comparator_of(n) != (1.0, 0.0) || self.sequential_of(n).is_some()
+    }
+
+    /// Cylinders with a C2 that no calibration has compared with their C1.
+    pub fn unaligned(&self) -> Vec<u8> {
+        (1..=self.machine.cylinders).filter(|&n| self.has_c2(n) && !self.is_aligned(n)).collect()
+    }
+
     /// Whether cylinder `n` has a C2.
     pub fn has_c2(&self, n: u8) -> bool {
         self.signals.cylinder.c2.is_some() && self.own(n).is_none_or(|own| own.c2)

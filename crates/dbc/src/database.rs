@@ -215,6 +215,30 @@ impl Database {
     }
 }
 
+impl Database {
+    /// Gives the signal `name` of the DBC, `MESSAGE.SIGNAL`, in another `unit`, in which its numbers are `times` / `per`
+    /// as large. Signals that are not in it, and those of devices, stay as they are.
+    pub fn rescale(&mut self, name: &str, unit: &str, [times, per]: [f64; 2]) {
+        let Some((message, own)) = name.split_once('.') else { return };
+        if self.device_signal(message, own).is_some() {
+            return;
+        }
+        let Some(message) = self.by_name.get(message).map(|&place| &mut self.messages[place])
+        else {
+            return;
+        };
+        let Some(place) = message.signal(own).and_then(|found| {
+            message.signals.iter().position(|signal| std::ptr::eq(signal, found))
+        }) else {
+            return;
+        };
+        let signal = &mut message.signals[place];
+        unit.clone_into(&mut signal.unit);
+        signal.plan = signal.plan.clone().rescaled(times, per);
+        signal.range = signal.range.map(|range| range.map(|end| end * times / per));
+    }
+}
+
 /// A signal of a device and its message, or why there is none.
 type DeviceSignal<'a> = Result<(&'a Message, &'a Signal), LookupError>;
 

@@ -4,6 +4,7 @@ use super::exposition::{ALARM_LEVELS, CONTROLLER_STATES, MODES};
 use super::stops::Drifting;
 use super::{EVIDENCE, OpenIncident, Telemetry};
 use crate::alarm::status::{Health, Mode};
+use crate::report::alignment;
 use serde::Serialize;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -88,6 +89,9 @@ impl Telemetry {
         let standing = self.standing.load(Ordering::Relaxed);
         let mode = self.mode.get();
         if standing > 0 {
+            if let Some(reason) = self.unaligned(now) {
+                return (Condition::Unknown, reason);
+            }
             return (Condition::Degraded, self.trouble(standing, now));
         }
         if let Some(reason) = self.silence(now) {
@@ -107,6 +111,13 @@ impl Telemetry {
             _ => (Condition::Unknown, "not everything has been judged yet"),
         };
         (condition, reason.to_owned())
+    }
+
+    /// That no warning stands but of differences that nobody has calibrated, if so: those are of no incident.
+    fn unaligned(&self, now: Duration) -> Option<String> {
+        let of = self.facts().not_calibrated.clone();
+        let doubt = alignment::doubt(&of).filter(|_| self.incidents(now).is_empty());
+        doubt.map(|_| format!("{}; C1 and C2 have differed from the start", alignment::RUN))
     }
 
     /// What is wrong with the machine, where `standing` warnings stand.

@@ -133,6 +133,8 @@ pub struct MachineFacts {
     pub calibration_recorded: Option<String>,
     /// Whether the configuration has a model of the machine.
     pub has_model: bool,
+    /// Cylinders with a C2 that no calibration has compared with their C1.
+    pub not_calibrated: Vec<u8>,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m; infinite, and `null` in JSON, where
     /// there is no such quantity.
     pub limits_m: Vec<[f64; QUANTITIES]>,

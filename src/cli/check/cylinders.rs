@@ -6,6 +6,7 @@ use crate::config::Settings;
 use crate::frame::BusNumber;
 use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
+use crate::report::alignment::numbers;
 use crate::sample::Transducer;
 
 /// A block for each cylinder that is judged as no other one is. Of others there is one block for all that are alike,
@@ -27,16 +28,6 @@ pub(super) fn describe(machine: &Machine) -> String {
         }
     });
     blocks.collect()
-}
-
-/// Numbers in ascending order, three or more in a row as a range: `1–3, 5, 6`.
-fn numbers(all: &[u8]) -> String {
-    let rows = all.chunk_by(|one, next| one + 1 == *next);
-    let told = rows.flat_map(|row| match row {
-        [first, _, .., last] => vec![format!("{first}–{last}")],
-        few => few.iter().map(u8::to_string).collect(),
-    });
-    told.collect::<Vec<_>>().join(", ")
 }
 
 /// The frames, objects and devices of cylinder `n`.
@@ -152,17 +143,5 @@ mod tests {
         assert_eq!(told, "(0.998502 C2 − 3.403 mm)");
         assert_eq!(corrected(1.002, 0.0), "(1.002 C2 + 0 mm)");
         assert_eq!(corrected(1.0, 0.0), "C2");
-    }
-
-    #[test]
-    fn three_in_a_row_are_a_range() {
-        for (all, told) in [
-            (&[1, 2, 3, 4, 5, 6][..], "1–6"),
-            (&[1, 2, 3, 5, 6], "1–3, 5, 6"),
-            (&[1, 3, 5], "1, 3, 5"),
-            (&[2, 4, 5, 6], "2, 4–6"),
-        ] {
-            assert_eq!(numbers(all), told);
-        }
     }
 }

@@ -17,6 +17,7 @@
 pub mod coverage;
 pub mod faults;
 pub mod holding;
+mod shortness;
 pub mod stages;
 pub mod trial;
 pub mod verdict;

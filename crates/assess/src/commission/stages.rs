@@ -226,6 +226,7 @@ impl<F: Frames> Lesson<'_, F> {
         let has_c2 = result.has_c2();
         taught.calibration = Some(result);
         usable.map_err(failed)?;
+        taught.any_left(settings.machine.cylinders).map_err(failed)?;
         match learnt {
             Some(learnt) => taught.put(&learnt, &[]).map_err(failed),
             None if has_c2 => Err(failed(nothing(taught, "no cylinder has a calibration"))),

@@ -50,6 +50,11 @@ impl Verdict {
         let mut reasons: Vec<String> = taught.refused.iter().map(told).collect();
         let mut advice = Vec::new();
         let unfit = match (&taught.failed, trial) {
+            (Some((_, why)), _) if taught.told_too_short().as_ref() == Some(why) => {
+                reasons.insert(0, why.clone());
+                advice.push(LONGER.to_owned());
+                Some("the recording is too short".to_owned())
+            }
             (Some((stage, why)), _) => {
                 reasons.insert(0, format!("{stage}: {why}"));
                 advice.push(ADVICE.to_owned());
@@ -70,7 +75,8 @@ impl Verdict {
                 (Fitness::Fit, format!("{name} is fit for use: {}", finds(trial)))
             }
             (None, _, trial) => {
-                advice.push(PARTLY.to_owned());
+                let what = if taught.told_too_short().is_some() { LONGER } else { PARTLY };
+                advice.push(what.to_owned());
                 let finds = trial.map(finds).unwrap_or_default();
                 let sentence = format!(
                     "{name} is fit for use except for cylinder {machine}: \
@@ -86,6 +92,8 @@ impl Verdict {
 const ADVICE: &str = "correct what is named above and record again; `tertius identify`, \
     `calibrate` and \
                       `tune` show what each step saw (--report)";
+
+const LONGER: &str = "record for longer; a quarter of an hour at work is enough";
 
 const PARTLY: &str = "repair the cylinder and record again, or accept the tables of the others \
     (--accept-refused): the refused one keeps its present tables";
@@ -115,7 +123,7 @@ fn untried(rehearsed: Option<&Taught>) -> (String, String) {
             format!("without the third that is held back for the trial, {stage} fails: {why}")
         },
     );
-    (why, "record for longer; a quarter of an hour at work is enough".to_owned())
+    (why, LONGER.to_owned())
 }
 
 /// What the trial found against the tables.

@@ -187,6 +187,7 @@ impl<'a> Connector<'a> {
                     high: settings.comparator.bound,
                     clear,
                 },
+                calibrated: settings.is_aligned(n),
                 coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
                 parameters: &verdict::VerdictParameters::DEFAULT,
@@ -338,7 +339,8 @@ impl<'a> Connector<'a> {
         }
     }
 
-    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit.
+    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit. What [`crate::units`] knows
+    /// was converted before.
     fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
         let expected = match field {
             Field::Position(_) => "m",
@@ -351,7 +353,9 @@ impl<'a> Connector<'a> {
             self.flaws.push(Flaw::new(
                 key,
                 format!("{name} is in {:?}, expected {expected:?}", signal.unit),
-                format!("scale factor, offset and range of the DBC to {expected}"),
+                format!(
+                    "the unit is not known; scale factor, offset and range of the DBC to {expected}"
+                ),
             ));
         }
     }

@@ -221,6 +221,13 @@ impl SignalPlan {
         (!self.is_float()).then(|| self.raw_limits_of_field())
     }
 
+    /// The signal in another unit, in which its numbers are `times` / `per` as large.
+    #[must_use]
+    pub fn rescaled(self, times: f64, per: f64) -> Self {
+        let [factor, offset] = [self.factor, self.offset].map(|it| it * times / per);
+        Self { factor, offset, ..self }
+    }
+
     pub fn factor(&self) -> f64 {
         self.factor
     }

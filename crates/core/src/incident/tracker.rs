@@ -9,6 +9,7 @@ use crate::alarm::detector::WarningPlace;
 use crate::alarm::{State, Warning};
 use crate::state::state;
 use crate::time::{Span, Timestamp};
+use crate::verdict::Fault;
 use alloc::vec::Vec;
 
 const P: &IncidentParameters = &IncidentParameters::DEFAULT;
@@ -92,15 +93,22 @@ impl Incidents {
     }
 
     /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.
+    ///
+    /// That C1 and C2 were never calibrated is no incident. What comes of it is one: the warning then changes.
     pub fn take(&mut self, warning: &Warning) {
         let cylinder = &mut self.cylinders[usize::from(warning.cylinder) - 1];
+        if warning.finding.fault == Fault::NotCalibrated {
+            cylinder.revise(&Warning { state: State::Cleared, ..*warning });
+            return;
+        }
         match warning.state {
-            State::Raised => {
+            State::Changed if cylinder.revise(warning) => {}
+            State::Raised | State::Changed => {
                 if cylinder.raise(warning, &mut self.begun) {
                     self.gather(warning);
                 }
             }
-            State::Changed | State::Cleared => cylinder.revise(warning),
+            State::Cleared => _ = cylinder.revise(warning),
         }
     }
 
@@ -316,16 +324,17 @@ impl OfCylinder {
         (0..MOST_AT_ONCE).filter(|place| order(place).is_some()).max_by_key(order)
     }
 
-    /// Takes a warning that has changed or cleared into the incident of which it stands.
-    fn revise(&mut self, warning: &Warning) {
+    /// Takes a warning that has changed or cleared into the incident of which it stands; returns whether there is one.
+    fn revise(&mut self, warning: &Warning) -> bool {
         let mut open = self.open.iter_mut().flatten();
         let stands =
             |open: &&mut Open| open.incident.parts[warning.place].is_some_and(|part| part.stands);
-        let Some(open) = open.find(stands) else { return };
+        let Some(open) = open.find(stands) else { return false };
         open.incident.revise(warning);
         if warning.state == State::Cleared {
             open.clear(warning);
         }
+        true
     }
 }
 

@@ -7,6 +7,7 @@ use super::history::ResidualHistory;
 use super::parameters::{VerdictCycles, VerdictParameters};
 use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
+use super::unaligned::Unaligned;
 use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
@@ -24,6 +25,8 @@ pub struct BankDesign {
     pub observer: Thresholds,
     /// Thresholds of R3.
     pub difference: Thresholds,
+    /// Whether a calibration has told by how much C1 and C2 differ.
+    pub calibrated: bool,
     /// Time within which FDEs that raise saw the same event.
     pub coincidence: Span,
     /// Signatures of faults in R1 and R2.
@@ -55,6 +58,8 @@ pub struct Bank {
     observed: [ResidualHistory<LONGEST_WINDOW>; 2],
     difference: ResidualHistory<LONGEST_DIFFERENCES>,
     found: [Option<Found>; 3],
+    /// `None` where C1 and C2 are calibrated.
+    unaligned: Option<Unaligned>,
     /// Whether any FDE has found a fault.
     any_found: bool,
     /// Signatures of faults in R1 and R2.
@@ -66,6 +71,7 @@ pub struct Bank {
 
 state! {
     Bank { triggers, verdicts, newest, observed, difference, found, any_found }
+    parts { unaligned }
     but { signatures, coincidence, parameters, cycles }
 }
 
@@ -89,6 +95,10 @@ impl Bank {
             observed: [ResidualHistory::default(), ResidualHistory::default()],
             difference: ResidualHistory::default(),
             found: [None; 3],
+            unaligned: (!design.calibrated).then(|| {
+                let VerdictParameters { stood, gain, .. } = *design.parameters;
+                Unaligned::new(design.difference, stood, gain)
+            }),
             any_found: false,
             signatures: design.signatures.clone(),
             coincidence: design.coincidence,
@@ -97,10 +107,10 @@ impl Bank {
         }
     }
 
-    /// Takes the residuals of the cycle at `at`; [`Self::verdicts`] and [`Self::detections`] then
-    /// give the results.
+    /// Takes the residuals of the cycle at `at`, in which C1 read `length`, m; [`Self::verdicts`] and
+    /// [`Self::detections`] then give the results.
     #[inline(never)]
-    pub fn judge(&mut self, at: Timestamp, residuals: &Residuals) {
+    pub fn judge(&mut self, at: Timestamp, residuals: &Residuals, length: Option<f64>) {
         for (i, residual) in residuals.r.iter().enumerate() {
             self.verdicts[i] = self.triggers[i].judge(at, *residual);
             if let Some(residual) = *residual {
@@ -111,6 +121,9 @@ impl Bank {
                     self.observed[i].push(residual);
                 }
             }
+        }
+        if let Some(unaligned) = &mut self.unaligned {
+            unaligned.judge(at, residuals.r[FDE3], length);
         }
         if self.triggers.iter().any(|t| t.raised().is_some()) || self.any_found() {
             self.remember(at);
@@ -129,6 +142,7 @@ impl Bank {
         if let Some(found) = &mut self.found[FDE3] {
             found.suspect = Suspect::Undecided;
         }
+        self.unaligned.iter_mut().for_each(Unaligned::interrupt);
         for (i, lost) in [lost[0], lost[1], true].into_iter().enumerate() {
             if lost {
                 self.triggers[i].interrupt();
@@ -172,10 +186,23 @@ impl Bank {
     #[cold]
     fn remember(&mut self, at: Timestamp) {
         for i in 0..3 {
-            let Some(raise) = self.triggers[i].raised() else {
+            let Some(mut raise) = self.triggers[i].raised() else {
                 self.found[i] = None;
                 continue;
             };
+            if let Some(unaligned) = self.unaligned().filter(|_| i == FDE3) {
+                let found = self.found[i].filter(|it| it.fault == Fault::NotCalibrated);
+                let Some(grown) = unaligned.grown() else {
+                    let age = found.map_or(0, |found| found.age.saturating_add(1));
+                    let (fault, suspect) = (Fault::NotCalibrated, Suspect::Undecided);
+                    self.found[i] = Some(Found { fault, suspect, age });
+                    continue;
+                };
+                raise = grown;
+                if found.is_some() {
+                    self.found[i] = None;
+                }
+            }
             let age = self.found[i].map_or(0, |found| found.age.saturating_add(1));
             let fault = match self.found[i] {
                 Some(found) if !self.cycles.looks.contains(&age) => found.fault,
@@ -190,11 +217,17 @@ impl Bank {
         self.any_found = self.found.iter().any(Option::is_some);
     }
 
+    /// The difference that stands since the start, where it says nothing of a transducer.
+    fn unaligned(&self) -> Option<&Unaligned> {
+        self.unaligned.as_ref().filter(|it| it.stood())
+    }
+
     fn suspect(&self, i: usize, own: Raise) -> Suspect {
         let [fde1, fde2, fde3] = core::array::from_fn(|i| FdeState {
             verdict: self.verdicts[i],
             raised: self.triggers[i].raised(),
         });
+        let fde3 = self.unaligned().map_or(fde3, Unaligned::fde);
         match i {
             0 => suspect::of_observer(Suspect::C1, own, fde2, fde3, self.coincidence),
             1 => suspect::of_observer(Suspect::C2, own, fde1, fde3, self.coincidence),
@@ -208,7 +241,15 @@ impl Bank {
             Some(of_observer) => {
                 of_observer.classify(&self.observed[i].in_order(), parameters, cycles)
             }
-            None => classify_difference(&self.difference.in_order(), parameters, cycles),
+            None => {
+                let differences = self.difference.in_order();
+                let known = self.difference.known();
+                match classify_difference(&differences, known, parameters, cycles) {
+                    // R3 is not the size of a step of it.
+                    Fault::Abrupt if self.unaligned().is_some() => Fault::Incipient,
+                    fault => fault,
+                }
+            }
         }
     }
 }
@@ -230,6 +271,7 @@ mod tests {
         Bank::new(&BankDesign {
             observer: thresholds(1e-3),
             difference: thresholds(1.5e-3),
+            calibrated: true,
             coincidence: Span::from_seconds(0.2),
             signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
             parameters: &VerdictParameters::DEFAULT,
@@ -240,7 +282,7 @@ mod tests {
     fn run(bank: &mut Bank, cycles: std::ops::Range<i64>, r: [f64; 3]) -> Option<Suspect> {
         for cycle in cycles {
             let at = Timestamp::from_nanos(cycle * 20_000_000);
-            bank.judge(at, &Residuals { r: r.map(Some) });
+            bank.judge(at, &Residuals { r: r.map(Some) }, Some(0.0));
         }
         bank.detections()[FDE3].map(|detection| detection.suspect)
     }

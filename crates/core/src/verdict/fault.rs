@@ -44,19 +44,21 @@ pub enum Fault {
     Command,
     /// The rod goes harder.
     Friction,
+    /// None: C1 and C2 have differed since the start, and no calibration says by how much they should.
+    NotCalibrated,
 }
 
 choice! {
     Fault {
         Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale,
         ValveSticking, Leakage, ValveOffset, Supply, PressureSensor, Command,
-        Friction,
+        Friction, NotCalibrated,
     }
 }
 
 impl Fault {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Unclassified,
         Self::Abrupt,
         Self::Noise,
@@ -72,6 +74,7 @@ impl Fault {
         Self::PressureSensor,
         Self::Command,
         Self::Friction,
+        Self::NotCalibrated,
     ];
 
     /// Name in files and reports.
@@ -92,6 +95,7 @@ impl Fault {
             Self::PressureSensor => "pressure_sensor",
             Self::Command => "command",
             Self::Friction => "friction",
+            Self::NotCalibrated => "not_calibrated",
         }
     }
 }
@@ -132,21 +136,27 @@ impl Signatures {
     }
 }
 
-/// Names the fault in R3, m, oldest first. R3 shows a fault as it is, beside an offset that the
-/// calibration has left, so step and ramp are fitted with a free constant. A fault most of which
-/// already existed a second ago has grown to its bound too slowly for either.
+/// Names the fault in R3, m, oldest first, of which the newest `known` were compared. R3 shows a fault as it is, beside
+/// an offset that the calibration has left, so step and ramp are fitted with a free constant. A fault most of which
+/// already existed a second ago has grown to its bound too slowly for either. What was before the first known one is
+/// taken to have been the same: a first sample is no step, and of what it has shown the kind is not known.
 pub fn classify_difference(
     differences: &[f64; LONGEST_DIFFERENCES],
+    known: usize,
     parameters: &VerdictParameters,
     cycles: &VerdictCycles,
 ) -> Fault {
-    let differences = &differences[LONGEST_DIFFERENCES - cycles.differences..];
+    let mut differences = *differences;
+    let differences = &mut differences[LONGEST_DIFFERENCES - cycles.differences..];
     let count = differences.len();
+    let unknown = count.saturating_sub(known.max(1));
+    let first = differences[unknown];
+    differences[..unknown].fill(first);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let before = mean(&differences[..count - cycles.window]);
     let now = differences[count - 1];
     if (now - before).abs() < (1.0 - parameters.crept) * now.abs() {
-        return Fault::Incipient;
+        return if unknown == 0 { Fault::Incipient } else { Fault::Unclassified };
     }
     let offset = mean(differences);
     let energy = differences.iter().map(|r| (r - offset) * (r - offset)).sum();
@@ -160,7 +170,7 @@ pub fn classify_difference(
             }
             let offset_of_values = mean(values);
             let (mut dot, mut norm) = (0.0, 0.0);
-            for (s, r) in values.iter().zip(differences) {
+            for (s, r) in values.iter().zip(&*differences) {
                 dot += (s - offset_of_values) * (r - offset);
                 norm += (s - offset_of_values) * (s - offset_of_values);
             }
@@ -261,6 +271,7 @@ mod tests {
             let ring = std::array::from_fn(|k| k.checked_sub(64).map_or(7e-3, value));
             classify_difference(
                 &ring,
+                64,
                 &VerdictParameters::DEFAULT,
                 &VerdictParameters::DEFAULT.cycles(0.02),
             )
@@ -281,6 +292,23 @@ mod tests {
             let noise = with(offset, &|k| if k < 40 { 0.0 } else { 1.3e-3 * NOISE[k % WINDOW] });
             assert_eq!(noise, Fault::Noise);
         }
+    }
+
+    /// Nothing is known of what was before.
+    #[test]
+    fn a_first_difference_is_no_step() {
+        let parameters = VerdictParameters::DEFAULT;
+        let of = |known: usize, value: &dyn Fn(usize) -> f64| {
+            let unknown = LONGEST_DIFFERENCES - known;
+            let ring = std::array::from_fn(|k| k.checked_sub(unknown).map_or(0.0, value));
+            classify_difference(&ring, known, &parameters, &parameters.cycles(0.02))
+        };
+        for known in [1, 2, 5, 16, 40, 63] {
+            assert_eq!(of(known, &|k| 5e-3 + small(k)), Fault::Unclassified, "{known}");
+        }
+        assert_eq!(of(64, &|k| 5e-3 + small(k)), Fault::Incipient);
+        let step = |k: usize| small(k) + if k < 20 { 1e-4 } else { 3e-3 };
+        assert_eq!(of(30, &step), Fault::Abrupt, "what came later is seen to come");
     }
 
     #[test]

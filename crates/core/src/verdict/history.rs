@@ -7,23 +7,30 @@ use crate::state::state;
 pub struct ResidualHistory<const N: usize> {
     values: [f64; N],
     next: usize,
+    known: usize,
 }
 
 state! {
-    ResidualHistory<N> [const N: usize] { values, next }
-    sound |it| it.next < N
+    ResidualHistory<N> [const N: usize] { values, next, known }
+    sound |it| it.next < N && it.known <= N
 }
 
 impl<const N: usize> Default for ResidualHistory<N> {
     fn default() -> Self {
-        Self { values: [0.0; N], next: 0 }
+        Self { values: [0.0; N], next: 0, known: 0 }
     }
 }
 
 impl<const N: usize> ResidualHistory<N> {
     pub fn push(&mut self, value: f64) {
         self.values[self.next] = value;
+        self.known = (self.known + 1).min(N);
         self.next = if self.next + 1 == N { 0 } else { self.next + 1 };
+    }
+
+    /// How many of the newest values are known.
+    pub const fn known(&self) -> usize {
+        self.known
     }
 
     /// All values, oldest first.
@@ -34,6 +41,6 @@ impl<const N: usize> ResidualHistory<N> {
     }
 
     pub fn clear(&mut self) {
-        self.values = [0.0; N];
+        (self.values, self.known) = ([0.0; N], 0);
     }
 }

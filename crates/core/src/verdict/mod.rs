@@ -6,12 +6,13 @@ pub mod history;
 pub mod parameters;
 pub mod suspect;
 pub mod trigger;
+mod unaligned;
 
 use crate::state::choice;
 pub use bank::{Bank, BankDesign, Residuals};
 pub use fault::Fault;
 pub use parameters::VerdictParameters;
-pub use suspect::{Suspect, Testimony};
+pub use suspect::{FdeState, Suspect, Testimony};
 pub use trigger::{Thresholds, Trigger};
 
 /// Verdict of a detector on its residual. Unknown is a verdict of its own: without evidence nothing

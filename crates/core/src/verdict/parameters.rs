@@ -20,6 +20,12 @@ pub struct VerdictParameters {
     /// A residual R3 of which the mean before the newest `window` has had more than this part crept up to
     /// its bound; 0 to 1. Half: nearer to what it is now than to nothing.
     pub crept: f64,
+    /// On a cylinder without a calibration a first R3 of more than this part of its bound is a difference that stands
+    /// since the start; 0 to 1. Half: nearer to the bound than to nothing, as `crept`.
+    pub stood: f64,
+    /// What the gains of two transducers differ by that nobody calibrated, m per m; 0.002 to 0.01. By what a calibration
+    /// finds, 0.3 % is much; the difference may grow by so much of the length and be none but that.
+    pub gain: f64,
     /// The part of the residuals' energy that a signature must explain, or it is noise; 0 to 1. White
     /// noise stays far below it.
     pub explained: f64,
@@ -44,6 +50,8 @@ impl VerdictParameters {
         looks: [0.0, 0.08, 0.3],
         differences: 1.28,
         crept: 0.5,
+        stood: 0.5,
+        gain: 0.005,
         explained: 0.5,
         ramp_advantage: 1.02,
         last: 1.25,

@@ -38,7 +38,7 @@ pub use course::{Calibrated, CalibrationCourse};
 pub use cutting::{Cuts, Cutting};
 pub(crate) use cutting::{are_few, places};
 pub use division::{Division, Halves};
-pub use finding::Contradiction;
+pub use finding::{Contradiction, too_short};
 pub use fitting::{Fitted, Fitting};
 pub use gathering::Gathering;
 pub use line::{Line, Robust};

@@ -1,5 +1,6 @@
 //! The signals of a DBC in a row, and the frames that carry them.
 
+use super::naming;
 use super::words::{Measure, measure};
 use std::collections::BTreeMap;
 use tertius_core::decode::{Decoded, Value};
@@ -89,14 +90,20 @@ impl<'a> Catalogue<'a> {
     }
 
     /// The signals of what answers the command of this number: those of its message, or, where the command travels alone,
-    /// those of all messages whose names have the same first number.
-    pub(super) fn answering(&self, command: usize) -> Vec<usize> {
+    /// those of all messages whose names have the same first number, or without one those that have the words of its
+    /// `cylinder` in their names.
+    pub(super) fn answering(&self, command: usize, cylinder: Option<&[String]>) -> Vec<usize> {
         let own = self.beside(command);
         let message = |signal: usize| &*self.messages[self.signals[signal].message].name;
         let tells = |signal: &usize| matches!(measure(self.unit(*signal)), Measure::Pressure);
         let number = first_number(message(command));
-        if number.is_none() || own.clone().any(|signal| tells(&signal)) {
+        if own.clone().any(|signal| tells(&signal)) {
             return own.collect();
+        }
+        if number.is_none() {
+            let Some(cylinder) = cylinder else { return own.collect() };
+            let is_of = |signal: &usize| naming::is_of(self.name(*signal), cylinder);
+            return (0..self.signals()).filter(|it| own.contains(it) || is_of(it)).collect();
         }
         (0..self.signals()).filter(|signal| first_number(message(*signal)) == number).collect()
     }

@@ -2,6 +2,7 @@
 
 use super::catalogue::Catalogue;
 use super::likeness::{following, smooth};
+use super::naming;
 use super::pairing::{SURE, Twins};
 use super::pattern;
 use super::tally::BusTally;
@@ -59,8 +60,16 @@ pub(super) fn of_twins(
         ));
     }
     let assembly = Assembly { catalogue, tally, tracks };
-    let mut cylinders: Vec<Picks> =
-        twins.iter().map(|one| assembly.picks(one, &mut lacks)).collect();
+    let names = |one: &Twins| {
+        let command = one.command.map(|(signal, _)| signal);
+        one.signals.into_iter().chain(command).map(|signal| catalogue.name(signal)).collect()
+    };
+    let named = naming::of_cylinders(&twins.iter().map(names).collect::<Vec<_>>());
+    let mut cylinders: Vec<Picks> = twins
+        .iter()
+        .zip(&named)
+        .map(|(one, name)| assembly.picks(one, name.as_deref(), &mut lacks))
+        .collect();
     order(catalogue, &mut cylinders, &mut lacks);
     cylinders.truncate(MOST_CYLINDERS);
     Assembled { cylinders, lacks }
@@ -73,11 +82,9 @@ struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    fn picks(&self, twins: &Twins, lacks: &mut Vec<String>) -> Picks {
+    fn picks(&self, twins: &Twins, name: Option<&[String]>, lacks: &mut Vec<String>) -> Picks {
         let catalogue = self.catalogue;
-        let mut order = [0, 1];
-        // C1 before C2, A before B, main before redundant.
-        order.sort_by_key(|place| catalogue.name(twins.signals[*place]));
+        let order = naming::in_order(twins.signals.map(|signal| catalogue.name(signal)));
         let agreement = &twins.agreement;
         let unit = catalogue.unit(twins.signals[0]);
         let mut why = format!(
@@ -98,9 +105,10 @@ impl Assembly<'_> {
         for (place, [position, velocity]) in
             order.into_iter().zip([["c1", "c1_velocity"], ["c2", "c2_velocity"]])
         {
-            let why = format!("{why}; which of them is C1 follows from their names");
+            // That they are a pair is sure, and their order is not.
+            let why = format!("{why}; which of them is C1 is told by their names alone");
             let signal = twins.signals[place];
-            picks.insert(position, Pick { signal, certainty: Certainty::Sure, why });
+            picks.insert(position, Pick { signal, certainty: Certainty::Guessed, why });
             if let Some((signal, found)) = twins.velocities[place] {
                 let why =
                     format!("the derivative of {position}, correlation {:.3}", found.correlation);
@@ -117,17 +125,17 @@ impl Assembly<'_> {
                 found.correlation.abs()
             );
             picks.insert("control_speed", Pick { signal, certainty, why });
-            self.valve(signal, &mut picks);
+            self.valve(signal, name, &mut picks);
         }
         beside_positions(catalogue, self.tally, &mut picks);
         picks
     }
 
     /// Pressures and spool, beside the command or elsewhere by their names.
-    fn valve(&self, command: usize, picks: &mut Picks) {
-        pressures(self.catalogue, command, picks);
+    fn valve(&self, command: usize, name: Option<&[String]>, picks: &mut Picks) {
+        pressures(self.catalogue, (command, name), picks);
         let driver = smooth(&self.tracks.clean(command));
-        let spools = self.catalogue.answering(command).into_iter().filter_map(|signal| {
+        let spools = self.catalogue.answering(command, name).into_iter().filter_map(|signal| {
             let name = says(self.catalogue.name(signal), Hint::Spool);
             let unit = measure(self.catalogue.unit(signal));
             let used = picks.values().any(|pick| pick.signal == signal) || signal == command;
@@ -156,13 +164,17 @@ impl Assembly<'_> {
 }
 
 /// The pressures beside the command, or of its cylinder: by their names, or two without a telling name in their order.
-pub(super) fn pressures(catalogue: &Catalogue<'_>, command: usize, picks: &mut Picks) {
+pub(super) fn pressures(
+    catalogue: &Catalogue<'_>,
+    (command, cylinder): (usize, Option<&[String]>),
+    picks: &mut Picks,
+) {
     let is_pressure = |signal: &usize| {
         let (name, unit) = (catalogue.name(*signal), catalogue.unit(*signal));
         unit == "bar" || unit.is_empty() && says(name, Hint::Pressure)
     };
     let found: Vec<usize> = catalogue
-        .answering(command)
+        .answering(command, cylinder)
         .into_iter()
         .filter(is_pressure)
         .filter(|signal| !says(catalogue.name(*signal), Hint::Supply))

@@ -2,19 +2,11 @@
 
 use super::catalogue::Catalogue;
 use super::cylinders::{Assembled, KEYS, Pick, Picks, beside_positions, complete, pressures};
+use super::naming::TWINS;
 use super::pattern;
 use super::tally::BusTally;
 use super::words::{Hint, Measure, measure, says, words};
 use super::{Certainty, MOST_CYLINDERS};
-
-/// Words by which the names of two transducers of one length differ.
-const TWINS: [[&str; 2]; 5] = [
-    ["a", "b"],
-    ["main", "redundant"],
-    ["primary", "secondary"],
-    ["main", "backup"],
-    ["haupt", "redundant"],
-];
 
 /// The cylinders whose two transducers and command are told by names and units; `None` if there are none.
 pub(super) fn by_names(catalogue: &Catalogue<'_>, tally: &BusTally) -> Option<Assembled> {
@@ -34,7 +26,7 @@ pub(super) fn by_names(catalogue: &Catalogue<'_>, tally: &BusTally) -> Option<As
         set.into_iter().map(|signals| picks(catalogue, signals)).collect();
     for picks in &mut cylinders {
         if let Some(command) = picks.get("control_speed").map(|pick| pick.signal) {
-            pressures(catalogue, command, picks);
+            pressures(catalogue, (command, None), picks);
             spool(catalogue, command, picks);
         }
         beside_positions(catalogue, tally, picks);
@@ -123,7 +115,7 @@ fn spool(catalogue: &Catalogue<'_>, command: usize, picks: &mut Picks) {
     let is_spool = |signal: &usize| {
         says(&catalogue.signals[*signal].signal.name, Hint::Spool) && *signal != command
     };
-    if let Some(signal) = catalogue.answering(command).into_iter().find(is_spool) {
+    if let Some(signal) = catalogue.answering(command, None).into_iter().find(is_spool) {
         let why = "by its name".to_owned();
         picks.insert("spool", Pick { signal, certainty: Certainty::Guessed, why });
     }

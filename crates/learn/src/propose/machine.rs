@@ -9,6 +9,7 @@ use super::track::Tracks;
 use super::words::{Hint, says};
 use super::{Certainty, Proposal, ProposedLine, quoted};
 use std::collections::BTreeMap;
+use tertius_config::units::conversion;
 use tertius_core::frame::Id;
 use tertius_dbc::Signal;
 
@@ -148,13 +149,15 @@ impl Writer<'_> {
             cylinders.iter().filter_map(|picks| Some(picks.get("c1")?.signal)).collect();
         let Some(&first) = signals.first() else { return };
         let unit = self.catalogue.unit(first).to_owned();
-        if !matches!(unit.as_str(), "" | "m") {
+        let known = conversion(&unit);
+        if known.is_none() && !unit.is_empty() {
             self.proposal.lacks.push(format!(
-                "{} is in {unit:?}: lengths are metres; scale factor, offset and range of the positions in the DBC \
-                 to \"m\" (`tertius check` names each one), and the stroke below with them",
+                "{} is in {unit:?}, which is not known: lengths are metres; scale factor, offset and range of the \
+                 positions in the DBC to \"m\" (`tertius check` names each one), and the stroke below with them",
                 self.catalogue.name(first)
             ));
         }
+        let [times, per] = known.unwrap_or([1.0; 2]);
         let ranges: Option<Vec<[f64; 2]>> =
             signals.iter().map(|signal| self.catalogue.signals[*signal].signal.range).collect();
         let outward = |[low, high]: [f64; 2]| {
@@ -165,7 +168,7 @@ impl Writer<'_> {
         let of = |ranges: &[[f64; 2]]| {
             let lows: Vec<f64> = ranges.iter().flatten().copied().collect();
             let (low, high) = ends(&lows);
-            outward([low, high])
+            outward([low, high].map(|end| end * times / per))
         };
         let (ends, line) = match ranges {
             Some(ranges) => {
@@ -312,6 +315,9 @@ impl Writer<'_> {
         if let Some(signal) = (0..catalogue.signals()).find(is_supply) {
             let line = (Certainty::Guessed, "by its name and unit".to_owned());
             self.line("signals", "supply", quoted(catalogue.name(signal)), line);
+        } else {
+            let lack = "supply: nothing found that its name calls the supply's pressure in bar";
+            self.proposal.lacks.push(lack.to_owned());
         }
     }
 
@@ -320,9 +326,8 @@ impl Writer<'_> {
         let Some(picks) = picks else {
             let having = cylinders.iter().filter(|picks| picks.contains_key(key)).count();
             let lack = match having {
-                0 if key == "c2_velocity"
-                    || key == "c1_velocity"
-                    || key.starts_with("pressure") =>
+                0 if ["c1_velocity", "c2_velocity", "pressure_bottom", "pressure_rod", "spool"]
+                    .contains(&key) =>
                 {
                     format!("{key}: nothing found")
                 }

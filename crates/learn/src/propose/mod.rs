@@ -15,6 +15,7 @@ mod finding;
 mod guessing;
 mod likeness;
 mod machine;
+mod naming;
 mod pairing;
 mod pattern;
 mod tally;

@@ -200,6 +200,8 @@ impl Cylinder {
             return found.map(|detection| self.observer_finding(detection));
         }
         let (fault, suspect) = match found {
+            // The machine trips, whatever nobody has calibrated.
+            Some(detection) if detection.fault == Fault::NotCalibrated => Default::default(),
             Some(detection) => (detection.fault, detection.suspect),
             // C1 − Ĉ2 is not judged, since a reading is frozen; or it is within its bound.
             None => self.frozen_one().unwrap_or_default(),

@@ -35,7 +35,7 @@ impl Cylinder {
         if self.commands.is_beyond() {
             self.keep_lonely(&mut residuals, judged);
         }
-        self.bank.judge(now.at, &residuals);
+        self.bank.judge(now.at, &residuals, self.length);
         residuals
     }
 

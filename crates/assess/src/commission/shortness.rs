@@ -1,0 +1,31 @@
+//! Whether a recording is too short to calibrate a cylinder, which is then not said to be unhealthy.
+
+use super::stages::Taught;
+use tertius_learn::calibrate::too_short;
+
+impl Taught {
+    /// Longest judged time, s, of the cylinders that are refused, if all of them are because the recording is too short.
+    fn too_short(&self) -> Option<f64> {
+        let refused = self.refused_cylinders();
+        let cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
+        let short = cylinders.filter(|it| refused.contains(&it.number));
+        let judged: Option<Vec<f64>> = short.map(|it| it.contradiction?.too_short()).collect();
+        judged?.into_iter().reduce(f64::max)
+    }
+
+    /// Whether any of the `cylinders` is left that thresholds can be tuned to.
+    ///
+    /// # Errors
+    /// All of them are refused, with the reason where they have one in common.
+    pub(super) fn any_left(&self, cylinders: u8) -> Result<(), String> {
+        if self.refused_cylinders().len() < usize::from(cylinders) {
+            return Ok(());
+        }
+        Err(self.told_too_short().unwrap_or_else(|| "every cylinder is refused".to_owned()))
+    }
+
+    /// That the recording is too short, with how long it has to be, if that is why cylinders are refused.
+    pub(super) fn told_too_short(&self) -> Option<String> {
+        self.too_short().map(too_short)
+    }
+}
