@@ -2,9 +2,11 @@
 //!
 //! Every output for people takes its words from here, so that they cannot disagree.
 
+mod doubt;
 mod evidence;
 mod machine;
 
+pub use doubt::doubt;
 pub use evidence::evidence;
 pub use machine::{in_common, numbers, of_machine};
 

@@ -248,6 +248,10 @@ impl Journal for Appliance {
                 warn!(%bus, "a bus is silent, what it carries is unknown");
             }
             Notice::Silence { bus, silent: false, .. } => info!(%bus, "a bus is heard again"),
+            Notice::Doubt { id, bus, doubt, is_over, .. } => {
+                let (id, what) = (id.to_string(), story::doubt(id, doubt, is_over));
+                if is_over { info!(id, %bus, "{what}") } else { warn!(id, %bus, "{what}") }
+            }
             Notice::Restart { cylinder, detector, reason, .. } => {
                 let (detector, reason) = (detector.name(), restart_name(reason));
                 info!(cylinder, detector, reason, "observer restarts");

@@ -108,6 +108,8 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
     for (count, what, which) in [
         (counts.late, "frame", "that came after the cycle was decided"),
         (counts.repeated, "frame", "that came twice"),
+        (counts.contradicting, "frame", "that contradicted another one with the same count"),
+        (counts.short, "frame", "too short for the signals that are configured (left out)"),
         (counts.held, "frame", "that came before the cycle (kept for it)"),
         (counts.bad_signals, "value", "beyond the end of the frame, or not a number"),
         (counts.backwards, "frame", "with a time stamp earlier than the previous one"),

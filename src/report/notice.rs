@@ -5,6 +5,7 @@ use super::jsonl::{digits, restart_name};
 use crate::frame::BusNumber;
 use crate::monitor::Notice;
 use crate::sample::device::DeviceNews;
+use crate::sample::dispute::Doubt;
 use crate::time::{Span, Timestamp};
 use serde::{Serialize, Serializer};
 
@@ -19,6 +20,9 @@ pub(super) struct NoticeFields {
     /// One of several buses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bus: Option<&'static str>,
+    /// Identifier of the message whose frames cannot be relied on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) message: Option<String>,
     /// Cylinder number, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cylinder: Option<u8>,
@@ -54,6 +58,15 @@ impl From<&Notice> for NoticeFields {
             Notice::Silence { at, bus, silent } => {
                 let what = if silent { "silence" } else { "heard_again" };
                 Self { bus: Some(name_of(bus)), ..of(at, what) }
+            }
+            Notice::Doubt { at, id, bus, doubt, is_over } => {
+                let what = match (doubt, is_over) {
+                    (Doubt::Contradiction, false) => "contradiction",
+                    (Doubt::Contradiction, true) => "contradiction_over",
+                    (Doubt::TooShort, false) => "too_short",
+                    (Doubt::TooShort, true) => "too_short_over",
+                };
+                Self { bus: Some(name_of(bus)), message: Some(format!("0x{id}")), ..of(at, what) }
             }
             Notice::Restart { at, cylinder, detector, reason } => Self {
                 cylinder: Some(cylinder),

@@ -193,6 +193,7 @@ const fn reason(reason: NotJudged) -> &'static str {
     match reason {
         NotJudged::State => "the platform was in no monitored state",
         NotJudged::NoReadings => "no readings",
+        NotJudged::Doubtful => "its frames could not be relied on",
         NotJudged::Implausible => "the readings were not plausible",
         NotJudged::NoCommand => "no command",
         NotJudged::Settling => "the observer had not settled",

@@ -248,6 +248,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
             (at, format!("the {bus} bus is silent: what it carries is unknown"))
         }
         Notice::Silence { at, bus, silent: false } => (at, format!("the {bus} bus is heard again")),
+        Notice::Doubt { at, id, doubt, is_over, .. } => (at, story::doubt(id, doubt, is_over)),
         Notice::Restart { at, cylinder, detector, reason } => {
             let (label, reason) = (detector.label(), spaced(restart_name(reason)));
             (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))

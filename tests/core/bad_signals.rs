@@ -45,16 +45,16 @@ fn play(
 }
 
 #[test]
-fn an_alive_counter_that_is_cut_off_is_counted_once_a_frame() {
+fn a_frame_whose_alive_counter_is_cut_off_is_counted_once() {
     let mut monitor = monitor();
     let cut = |k, id, data: &[u8]| {
         let cut = usize::from(id == 0x182 && k >= BEGIN);
         data[..data.len() - cut].to_vec()
     };
     play(&mut monitor, cut, |k, monitor| {
-        assert_eq!(monitor.counts().bad_signals, (k - BEGIN + 1).max(0) as u64);
+        assert_eq!(monitor.counts().short, (k - BEGIN + 1).max(0) as u64);
     });
-    assert_eq!(monitor.counts().bad_signals, TRIED);
+    assert_eq!((monitor.counts().short, monitor.counts().bad_signals), (TRIED, 0));
 }
 
 #[test]

@@ -201,6 +201,40 @@ fn both_that_freeze_at_once_are_both_named() {
     }
 }
 
+/// C1 stands 10 mm off, and C2 steps to the same place: they agree, and are both wrong.
+#[test]
+fn two_that_agree_because_the_last_one_stepped_are_both_named() {
+    let setup = machine(fine(&[], ""));
+    let seen = play(&setup, 90.0, &setup.options(13, &faults("step,size=0.01", "step,size=0.01")));
+    for cylinder in 1..=6 {
+        let at = 60.0 + later(cylinder);
+        for suspect in [Suspect::C1, Suspect::C2] {
+            let black = seen.black(cylinder, suspect).expect("both");
+            assert!((at - 1e-3..at + 0.14).contains(&black), "{cylinder}, {suspect:?}: {black}");
+        }
+        let late = seen.valid(cylinder).into_iter().find(|it| *it > at + 0.14);
+        assert_eq!(late, None, "{cylinder}");
+        let standing = |it: &&(u32, Suspect, Progress)| it.2 == Progress::Standing;
+        let told = seen.incidents(cylinder);
+        assert!(told.iter().any(|it| standing(&it)), "{cylinder}: {told:?}");
+        println!("{told:?}");
+    }
+    // C1 comes back, and C2 after it: that is evidence.
+    let back = |n: u8| {
+        let of = |sensor: &str, at: f64, until: f64| {
+            format!("step,cylinder={n},sensor={sensor},at={at},size=0.01,until={until}")
+        };
+        [of("c1", 40.0 + later(n), 70.0), of("c2", 60.0 + later(n), 75.0)]
+    };
+    let faults: Vec<String> = (1..=6).flat_map(back).collect();
+    let seen = play(&setup, 90.0, &setup.options(13, &faults));
+    for cylinder in 1..=6 {
+        let told = seen.incidents(cylinder);
+        assert!(told.iter().all(|it| it.2 == Progress::Closed), "{cylinder}: {told:?}");
+        assert!(seen.valid(cylinder).iter().any(|at| *at > 85.0), "{cylinder}");
+    }
+}
+
 /// A single wild sample, and the motion of a rod that a faulty C1 drives, are not the last transducer's.
 #[test]
 fn a_sound_last_transducer_is_not_doubted_for_good() {

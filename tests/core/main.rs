@@ -17,6 +17,7 @@ mod dbc_support;
 mod deck;
 mod detection;
 mod devices;
+mod doubt;
 mod e2e;
 mod e_type_dbc;
 mod eds;

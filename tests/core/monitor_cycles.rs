@@ -384,6 +384,7 @@ fn told_at(notice: &Notice) -> Timestamp {
         | Notice::TimeJump { at, .. }
         | Notice::Interruption { at, .. }
         | Notice::Silence { at, .. }
+        | Notice::Doubt { at, .. }
         | Notice::Restart { at, .. }
         | Notice::Timing { at, .. }
         | Notice::Device { at, .. } => at,

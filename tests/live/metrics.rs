@@ -74,6 +74,8 @@ fn the_figures_are_what_the_monitor_counted() {
         ("cycles_missing", counts.missing),
         ("frames_late", counts.late),
         ("frames_repeated", counts.repeated),
+        ("frames_contradicting", counts.contradicting),
+        ("frames_short", counts.short),
         ("frames_held", counts.held),
         ("signals_bad", counts.bad_signals),
         ("frames_backwards", counts.backwards),

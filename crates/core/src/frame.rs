@@ -126,6 +126,23 @@ impl Frame {
         (bits <= u64::BITS).then(|| word & !u64::MAX.checked_shl(bits).unwrap_or(0))
     }
 
+    /// A digest of the payload: that of payloads which differ is another one, but for one chance in 2⁶⁴ where they are longer than
+    /// eight bytes.
+    #[inline]
+    pub fn digest(&self) -> u64 {
+        if let Some(word) = self.word() {
+            return word;
+        }
+        let mut words = self.data().chunks(8).map(|chunk| {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            u64::from_le_bytes(word)
+        });
+        let first = words.next().unwrap_or_default();
+        // A prime keeps words from cancelling each other.
+        words.fold(first, |all, word| all.wrapping_mul(0x0100_0000_01B3) ^ word)
+    }
+
     /// The whole buffer, so that a decoder can load eight bytes at once; its content beyond
     /// [`Self::length`] is unspecified.
     pub fn buffer(&self) -> &[u8; MAX_DATA] {

@@ -36,12 +36,14 @@ pub enum EventKind {
     Device,
     /// The clock of the time stamps was set.
     Clock,
+    /// Frames that cannot be relied on, or can be again.
+    Doubt,
     /// Events were lost before they could be written.
     Lost,
 }
 
 impl EventKind {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Incident,
         Self::Act,
         Self::Start,
@@ -55,6 +57,7 @@ impl EventKind {
         Self::Timing,
         Self::Device,
         Self::Clock,
+        Self::Doubt,
         Self::Lost,
     ];
 
@@ -74,6 +77,7 @@ impl EventKind {
             Self::Timing => "timing",
             Self::Device => "device",
             Self::Clock => "clock",
+            Self::Doubt => "doubt",
             Self::Lost => "lost",
         }
     }

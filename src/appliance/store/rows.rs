@@ -234,6 +234,9 @@ fn event_of(notice: &Notice) -> Option<Event> {
             let text = format!("node {node} ({}) {}", role.label(), story::news(*news));
             (EventKind::Device, *at, Some(*cylinder), text)
         }
+        Notice::Doubt { at, id, doubt, is_over, .. } => {
+            (EventKind::Doubt, *at, None, story::doubt(*id, *doubt, *is_over))
+        }
         Notice::Gap { .. }
         | Notice::Interruption { .. }
         | Notice::Silence { .. }

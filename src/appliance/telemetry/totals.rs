@@ -27,6 +27,8 @@ pub(super) struct Totals {
     pub missing: Total,
     pub late: Total,
     pub repeated: Total,
+    pub contradicting: Total,
+    pub short: Total,
     pub held: Total,
     pub bad_signals: Total,
     pub backwards: Total,
@@ -82,6 +84,8 @@ impl Totals {
         self.missing.follow(last.missing, now.missing);
         self.late.follow(last.late, now.late);
         self.repeated.follow(last.repeated, now.repeated);
+        self.contradicting.follow(last.contradicting, now.contradicting);
+        self.short.follow(last.short, now.short);
         self.held.follow(last.held, now.held);
         self.bad_signals.follow(last.bad_signals, now.bad_signals);
         self.backwards.follow(last.backwards, now.backwards);
@@ -94,7 +98,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 37] {
+    pub fn described(&self) -> [Described<'_>; 39] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -115,6 +119,8 @@ impl Totals {
             ("cycles_missing", "Cycles that should have opened and did not.", &self.missing),
             ("frames_late", "Frames that came after their cycle was decided.", &self.late),
             ("frames_repeated", "Frames that came twice.", &self.repeated),
+            ("frames_contradicting", "Frames with the count of another one and another payload.", &self.contradicting),
+            ("frames_short", "Frames that are too short for what is configured of them.", &self.short),
             ("frames_held", "Frames that came before their cycle opened, and were kept for it.", &self.held),
             ("signals_bad", "Signals for which the frame was too short, or that are not a finite \
                 number.", &self.bad_signals),

@@ -35,6 +35,7 @@ impl TableRow for NoticeRow {
         "notice", "", Text, "what it is, as in the lines of JSON", |it| word(it.fields.notice);
         "seconds", "s", Number, "length of a gap; by how much the clock was set", |it| seconds(it.fields.seconds?);
         "bus", "", Text, "of several: first, second, third, fourth", |it| word(it.fields.bus?);
+        "message", "", Text, "whose frames cannot be relied on: its identifier", |it| it.fields.message.clone().map(Into::into);
         "cylinder", "", Count, "from 1", |it| it.fields.cylinder.map(Into::into);
         "detector", "", Text, "whose observer starts anew", |it| word(it.fields.detector?);
         "reason", "", Text, "why: gap, diverged, time_jump, interruption", |it| word(it.fields.reason?);
@@ -59,12 +60,13 @@ impl TableRow for NoticeRow {
 mod tests {
     use super::*;
     use crate::alarm::Detector;
-    use crate::frame::BusNumber;
+    use crate::frame::{BusNumber, Id};
     use crate::observe::observer::Restart;
     use crate::report::columns::column;
     use crate::report::jsonl;
     use crate::sample::DeviceRole;
     use crate::sample::device::{DeviceNews, DeviceState};
+    use crate::sample::dispute::Doubt;
     use crate::sample::emergency::Emergency;
     use crate::sequential::Apart;
     use serde_json::{Map, Value};
@@ -75,6 +77,7 @@ mod tests {
         let reason = Restart::Diverged;
         let apart = Apart { mean: 0.0021, spread: 0.0007, ..Apart::default() };
         let emergency = Emergency { code: 0x8110, register: 0x11, detail: [1, 2, 3, 4, 0xFF] };
+        let id = Id::standard(0x181).expect("11 bits");
         let device = |role, news| Notice::Device { at, cylinder: 2, role, node: 21, news };
         vec![
             Notice::Gap { at, length: Span::from_nanos(1_234_567_891) },
@@ -83,6 +86,8 @@ mod tests {
             Notice::Interruption { at, bus: Some(second) },
             Notice::Silence { at, bus: second, silent: true },
             Notice::Silence { at, bus: BusNumber::First, silent: false },
+            Notice::Doubt { at, id, bus: second, doubt: Doubt::Contradiction, is_over: false },
+            Notice::Doubt { at, id, bus: second, doubt: Doubt::TooShort, is_over: true },
             Notice::Restart { at, cylinder: 3, detector: Detector::Fde2, reason },
             Notice::Timing { at, apart: Some(apart) },
             Notice::Timing { at, apart: None },

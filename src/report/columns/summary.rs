@@ -97,6 +97,8 @@ impl TableRow for SummaryRow {
         "missing_cycles", "", Count, "not opened", |it| count(it.counts.missing);
         "late_frames", "", Count, "after their deadline", |it| count(it.counts.late);
         "repeated_frames", "", Count, "twice", |it| count(it.counts.repeated);
+        "contradicting_frames", "", Count, "with the same count as another one and another payload", |it| count(it.counts.contradicting);
+        "short_frames", "", Count, "too short for what is configured of them", |it| count(it.counts.short);
         "held_frames", "", Count, "before their cycle, and kept", |it| count(it.counts.held);
         "bad_signals", "", Count, "signals that are no finite number", |it| count(it.counts.bad_signals);
         "backwards", "", Count, "frames with an earlier time stamp", |it| count(it.counts.backwards);

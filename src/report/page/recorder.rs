@@ -181,6 +181,7 @@ impl PageRecorder {
             Notice::Gap { .. }
             | Notice::Interruption { bus: Some(_), .. }
             | Notice::Silence { .. }
+            | Notice::Doubt { .. }
             | Notice::Restart { .. }
             | Notice::Timing { .. }
             | Notice::Device { .. } => {}

@@ -2,11 +2,13 @@
 
 use super::cylinder::Cylinder;
 use super::page::{Destination, Page, Station, StationKind};
-use super::sink::Sink;
+use super::sink::{Notice, Sink};
 use super::{Monitor, Place};
 use crate::frame::Frame;
-use crate::sample::arrival::Fate;
 use crate::sample::cycle::{Opener, When};
+use crate::sample::dispute::Doubt;
+use crate::sample::fate::Fate;
+use crate::sample::{Inputs, Transducer};
 use crate::time::Timestamp;
 
 impl Monitor {
@@ -88,7 +90,7 @@ impl Monitor {
         };
         let [Page { intake: Some(intake), slot, .. }] = &mut **pages else { return false };
         let (Some(word), Some(when)) = (intake.word(frame), clock.when()) else { return false };
-        if !slot.take_next(frame, intake.counter(word), &when) {
+        if slot.dispute.is_open(when.cycle) || !slot.take_next(frame, intake.counter(word), &when) {
             return false;
         }
         let index = intake.cylinder();
@@ -113,6 +115,9 @@ impl Monitor {
         let station = &mut self.stations[place.0];
         let is_sync = station.is_sync();
         let page = &mut station.pages[place.1];
+        if page.reading && page.is_too_short(frame) {
+            return self.refuse_short(place, now, frame, sink);
+        }
         let count = page.count(frame, &mut self.counts.bad_signals);
         if page.reading && !is_sync {
             self.open_by_reading(place, now, frame, count, sink);
@@ -142,12 +147,45 @@ impl Monitor {
                 self.keep(place, fate, frame, count, &when);
             }
             Fate::Repeated => self.counts.repeated += 1,
+            Fate::Contradicts => {
+                self.counts.contradicting += 1;
+                self.each_reading(place, Inputs::contradict);
+            }
             Fate::Late => {
                 self.counts.late += 1;
                 self.refuse(place);
             }
             // The counter's own tally has it.
             Fate::Jumped => self.refuse(place),
+        }
+        self.tell_doubt(place, now, frame, sink);
+    }
+
+    /// Leaves out a frame that is too short for what is configured of its page.
+    #[cold]
+    fn refuse_short(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        let cycle = self.clock.number();
+        self.counts.short += 1;
+        self.stations[place.0].pages[place.1].slot.dispute.doubt(Doubt::TooShort, cycle);
+        self.doubt(place);
+        self.tell_doubt(place, now, frame, sink);
+    }
+
+    /// Notes that what the frames of a page carry cannot be relied on in the open cycle.
+    #[cold]
+    fn doubt(&mut self, place: Place) {
+        self.each_reading(place, |inputs, transducer| inputs.doubt(transducer));
+    }
+
+    /// Tells that the frames of a page, of which `frame` is one, are in doubt now, or are no longer.
+    fn tell_doubt(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        let cycle = self.clock.number();
+        let dispute = &mut self.stations[place.0].pages[place.1].slot.dispute;
+        if !dispute.is_open(cycle) {
+            return;
+        }
+        while let Some((doubt, is_over)) = dispute.take_news(cycle) {
+            sink.notice(&Notice::Doubt { at: now, id: frame.id, bus: frame.bus, doubt, is_over });
         }
     }
 
@@ -167,19 +205,27 @@ impl Monitor {
     /// Notes that a frame came whose readings are not those of the open cycle.
     #[cold]
     fn refuse(&mut self, place: Place) {
+        self.each_reading(place, |inputs, transducer| inputs.refuse(transducer));
+    }
+
+    /// Passes each transducer that a page carries a reading of to `act`, with the inputs of its cylinder.
+    fn each_reading(&mut self, place: Place, act: impl Fn(&mut Inputs, Transducer)) {
         let Self { stations, cylinders, .. } = self;
         for signal in &stations[place.0].pages[place.1].signals {
             let Destination::Cylinders(bits, field) = signal.destination else { continue };
             let Some(transducer) = field.transducer() else { continue };
             let own = |(index, _): &(usize, &mut Cylinder)| bits & 1 << index != 0;
             let cylinders = cylinders.iter_mut().enumerate().filter(own);
-            cylinders.for_each(|(_, it)| it.inputs.refuse(transducer));
+            cylinders.for_each(|(_, it)| act(&mut it.inputs, transducer));
         }
     }
 
     fn take_page(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        let Self { stations, cylinders, .. } = self;
+        let Self { stations, cylinders, clock, .. } = self;
         let page = &stations[place.0].pages[place.1];
+        if page.slot.dispute.is_unknown(clock.number()) {
+            return self.doubt(place);
+        }
         for (index, transducer) in &page.counted {
             cylinders[usize::from(*index)].inputs.counted(*transducer);
         }

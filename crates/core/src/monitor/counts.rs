@@ -22,6 +22,10 @@ pub struct Counts {
     pub late: u64,
     /// Frames that came twice.
     pub repeated: u64,
+    /// Frames that contradict another one, with the same count and another payload.
+    pub contradicting: u64,
+    /// Frames that are too short for what is configured of them.
+    pub short: u64,
     /// Frames that came before their cycle opened, and were kept for it.
     pub held: u64,
     /// Signals for which the frame was too short, or whose value is not a finite number.
@@ -36,7 +40,7 @@ pub struct Counts {
 
 whole! {
     Counts {
-        used, ignored, errors, cycles, incomplete, missing, late, repeated, held, bad_signals, backwards, time_jumps,
+        used, ignored, errors, cycles, incomplete, missing, late, repeated, contradicting, short, held, bad_signals, backwards, time_jumps,
         interruptions,
     }
 }

@@ -343,7 +343,9 @@ impl Cylinder {
     ) -> Quality {
         let is_absent = matches!(quality, Quality::Missing | Quality::Stale);
         let is_heard_of = self.word(i) != DeviceWord::Lost;
-        if is_absent && is_heard_of && self.inputs.is_refused(TRANSDUCERS[i]) {
+        if is_absent && self.inputs.is_doubted(TRANSDUCERS[i]) {
+            quality = self.plausibility[i].doubt();
+        } else if is_absent && is_heard_of && self.inputs.is_refused(TRANSDUCERS[i]) {
             quality = self.plausibility[i].spare();
         }
         if quality == Quality::Frozen && self.may_be_at_rest(i) {

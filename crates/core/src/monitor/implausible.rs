@@ -38,8 +38,8 @@ impl Implausible {
         let Checked { quality, beyond, report } = checked;
         let fault = match quality {
             Quality::Good | Quality::Missing => None,
-            Quality::NotOperational => {
-                // That it sends nothing is explained; whatever else was found stands.
+            Quality::NotOperational | Quality::Doubtful => {
+                // That there is no reading is explained; whatever else was found stands.
                 if self.fault == Fault::Stale {
                     self.trigger.withdraw();
                 }

@@ -81,6 +81,8 @@ pub(super) struct Page {
     /// Short path of the signals.
     pub intake: Option<Intake>,
     counter: Option<SignalPlan>,
+    /// Least length of a frame that has all of it, bytes.
+    needs: usize,
     /// Readings that the counter counts.
     pub counted: Box<[(u8, Transducer)]>,
     pub slot: Slot,
@@ -90,7 +92,7 @@ pub(super) struct Page {
 
 state! {
     Page { slot }
-    but { reading, cyclic, signals, intake, counter, counted, carried_with }
+    but { reading, cyclic, signals, intake, counter, needs, counted, carried_with }
 }
 
 /// A signal of a page, and where it goes.
@@ -255,6 +257,8 @@ impl Draft<'_> {
         let counted: Box<[(u8, Transducer)]> = counted.collect();
         let plan = self.counter.map(|signal| signal.plan.clone());
         let counting = plan.as_ref().map(|plan| Counting { plan, counted: &counted });
+        let plans = self.signals.iter().map(|signal| &signal.plan).chain(&plan);
+        let needs = plans.map(SignalPlan::needed_length).max().unwrap_or_default();
         let alive = plan.as_ref().map(|plan| AliveCounter::new(plan.bits(), sharing));
         Page {
             reading: self.signals.iter().any(|signal| signal.is_reading()),
@@ -262,6 +266,7 @@ impl Draft<'_> {
             intake: Intake::of(&signals, counting),
             signals: PageSignal::all(&signals),
             counter: plan,
+            needs,
             counted,
             slot: Slot::new(alive),
             carried_with: { self.anchor.plan.is_multiplexed() }.then(|| self.anchor.plan.clone()),
@@ -274,6 +279,12 @@ impl Page {
     #[inline]
     pub fn is_in(&self, frame: &Frame) -> Option<bool> {
         self.carried_with.as_ref().map_or(Some(true), |plan| plan.is_carried_by(frame))
+    }
+
+    /// Whether `frame`, which carries this page, is too short for some of it.
+    #[inline]
+    pub fn is_too_short(&self, frame: &Frame) -> bool {
+        frame.length() < self.needs
     }
 
     /// Value of the alive counter in `frame`, which is counted in `bad` where the frame is too short for it or the value

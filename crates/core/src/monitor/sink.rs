@@ -2,10 +2,11 @@
 
 use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
-use crate::frame::BusNumber;
+use crate::frame::{BusNumber, Id};
 use crate::incident::Incident;
 use crate::observe::observer::Restart;
 use crate::sample::device::DeviceNews;
+use crate::sample::dispute::Doubt;
 use crate::sample::{DeviceRole, Quality};
 use crate::sequential::{Apart, Dwell};
 use crate::time::{Span, Timestamp};
@@ -64,6 +65,9 @@ pub enum Notice {
     /// A bus has fallen silent while another one is heard, or is heard again. What it carries is unknown meanwhile, and
     /// nobody is to blame.
     Silence { at: Timestamp, bus: BusNumber, silent: bool },
+    /// Frames of a message cannot be relied on, or can be again. What they carry is unknown meanwhile where they contradict each
+    /// other, and no transducer is to blame.
+    Doubt { at: Timestamp, id: Id, bus: BusNumber, doubt: Doubt, is_over: bool },
     /// The observer of one transducer restarts.
     Restart { at: Timestamp, cylinder: u8, detector: Detector, reason: Restart },
     /// In most cylinders, C1 and C2 are sampled further apart in time than when they were

@@ -6,6 +6,8 @@
 
 use super::counter::{AliveCounter, BEHIND, Count};
 use super::cycle::When;
+use super::dispute::{Dispute, Doubt};
+use super::fate::Fate;
 use super::phase::{Phases, Usual};
 use crate::frame::Frame;
 use crate::state::{state, whole};
@@ -14,28 +16,6 @@ use crate::time::Timestamp;
 /// Number of consecutive cycles with frames, none in time, after which the counter or deadline that
 /// refuses them is no longer trusted.
 const STARVED: u32 = 5;
-
-/// What becomes of a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fate {
-    /// The frame is that of the newest cycle.
-    Taken,
-    /// The frame is that of the newest cycle, and the one that waits was late.
-    Replaces,
-    /// The frame is late, and the one that waits is that of the newest cycle.
-    Settles,
-    /// The frame is that of the newest cycle unless a better one comes before the deadline: it is
-    /// kept, in place of one that waits.
-    Waits,
-    /// The frame is that of the next cycle, and is kept.
-    Held,
-    /// The place has already had this frame, or another one in this cycle.
-    Repeated,
-    /// The cycle of the frame is already decided.
-    Late,
-    /// The counter belongs to no cycle nearby.
-    Jumped,
-}
 
 /// A frame that waits for its cycle to open, or to close.
 #[derive(Clone, Debug)]
@@ -69,10 +49,11 @@ pub struct Slot {
     /// Number of consecutive cycles with frames, none in time.
     starved: u32,
     starved_in: u64,
+    pub dispute: Dispute,
 }
 
 state! {
-    Slot { filled, phases, usual, kept, starved, starved_in }
+    Slot { filled, phases, usual, kept, starved, starved_in, dispute }
     parts { counter }
     bits { digest }
     sound |it| it.usual.is_none_or(|usual| usual == it.phases.usual())
@@ -90,6 +71,7 @@ impl Slot {
             kept: None,
             starved: 0,
             starved_in: 0,
+            dispute: Dispute::NONE,
         }
     }
 
@@ -120,7 +102,7 @@ impl Slot {
             Count::Silent => {}
         }
         let usual = self.usual_phase();
-        let copied = self.has(when.cycle) && digest(frame) == self.digest;
+        let copied = self.has(when.cycle) && frame.digest() == self.digest;
         // A rod at rest sends the same again, so a copy is told by its time alone.
         let least = if copied { when.half() / 2 * 3 } else { when.half() };
         let opens = !self.has(when.cycle) || when.phase(frame.timestamp) >= usual + least;
@@ -149,7 +131,7 @@ impl Slot {
             Count::Off(1) => (0..when.half()).contains(&phase),
             Count::Silent => {
                 let beside = phase - self.usual_phase();
-                digest(frame) != self.digest && beside.abs() < when.half() / 2
+                frame.digest() != self.digest && beside.abs() < when.half() / 2
             }
             _ => false,
         }
@@ -169,6 +151,7 @@ impl Slot {
             }
             alive.accept(when.cycle, value);
             self.filled = Some(when.cycle);
+            self.digest = frame.digest();
         } else {
             let phase = when.phase(frame.timestamp);
             let in_time = phase >= 0 || !when.by_sync;
@@ -184,6 +167,17 @@ impl Slot {
     /// What becomes of `frame` with this `counter`, where it could be read. A frame that is to be
     /// kept must be passed to [`Self::keep`].
     pub fn judge(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
+        let fate = self.judge_each(frame, counter, when);
+        match fate {
+            Fate::Taken | Fate::Replaces => self.dispute.note_taken(when.cycle),
+            Fate::Contradicts => self.dispute.doubt(Doubt::Contradiction, when.cycle),
+            Fate::Jumped => self.dispute.note_strange(when.cycle, self.has(when.cycle)),
+            _ => {}
+        }
+        fate
+    }
+
+    fn judge_each(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
         if self.take_next(frame, counter, when) {
             return Fate::Taken;
         }
@@ -208,8 +202,14 @@ impl Slot {
         let lacks = self.filled != Some(when.cycle);
         let fate = match count {
             Count::Silent => return None,
+            Count::Same if !lacks && frame.digest() != self.digest => {
+                return Some(Fate::Contradicts);
+            }
             Count::Same => return Some(Fate::Repeated),
             Count::Off(1) if phase >= when.half() => return Some(Fate::Held),
+            Count::Off(0) if !lacks && frame.digest() != self.digest => {
+                return Some(Fate::Contradicts);
+            }
             Count::Off(0) if !lacks => return Some(Fate::Repeated),
             Count::Off(..=0) => Fate::Late,
             Count::Off(_) | Count::Jumped => Fate::Jumped,
@@ -229,7 +229,7 @@ impl Slot {
     fn judge_by_phase(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
         let (cycle, phase) = (when.cycle, when.phase(frame.timestamp));
         let usual = self.usual_phase();
-        let copied = digest(frame) == self.digest;
+        let copied = frame.digest() == self.digest;
         if phase < 0 && when.by_sync {
             // By its stamp it is of the cycle before, unless that has its own.
             let early = self.filled.is_some_and(|filled| filled + 1 == cycle)
@@ -282,7 +282,7 @@ impl Slot {
         if let (Some(alive), Some(value)) = (&mut self.counter, counter) {
             alive.accept(cycle, value);
         }
-        self.digest = digest(frame);
+        self.digest = frame.digest();
         self.phases.push(phase);
         self.usual = None;
     }
@@ -381,20 +381,4 @@ impl Slot {
     fn usual_phase(&mut self) -> i64 {
         self.usual().map_or(0, |usual| usual.phase)
     }
-}
-
-/// A digest of a payload.
-#[inline]
-fn digest(frame: &Frame) -> u64 {
-    if let Some(word) = frame.word() {
-        return word;
-    }
-    let mut words = frame.data().chunks(8).map(|chunk| {
-        let mut word = [0; 8];
-        word[..chunk.len()].copy_from_slice(chunk);
-        u64::from_le_bytes(word)
-    });
-    let first = words.next().unwrap_or_default();
-    // A prime keeps words from cancelling each other.
-    words.fold(first, |all, word| all.wrapping_mul(0x0100_0000_01B3) ^ word)
 }

@@ -293,6 +293,13 @@ impl Plausibility {
         self.quality
     }
 
+    /// Takes that frames of the reading came in the judged cycle, but cannot be relied on: it is not missing.
+    pub fn doubt(&mut self) -> Quality {
+        self.absence = Absence::default();
+        self.quality = Quality::Doubtful;
+        self.quality
+    }
+
     /// Number of cycles without a new reading: with none, or with the same.
     pub fn idle(&self) -> u32 {
         self.still.cycles.saturating_add(self.absence.missing)

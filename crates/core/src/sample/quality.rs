@@ -13,6 +13,9 @@ pub enum Quality {
     Missing,
     /// There is no new reading, because the device is not operational, as it says itself.
     NotOperational,
+    /// Frames came that cannot be relied on: they contradict each other, or lack what is configured of them. Nobody can tell
+    /// which of them is the transducer's, which is not to blame.
+    Doubtful,
     /// The device says itself that it has an error.
     Failed,
     /// There has been no new reading for longer than allowed, or the device's heartbeat has stopped.
@@ -26,7 +29,7 @@ pub enum Quality {
 }
 
 choice! {
-    Quality { Good, Missing, NotOperational, Failed, Stale, BrokenWire, OutOfRange, Frozen }
+    Quality { Good, Missing, NotOperational, Doubtful, Failed, Stale, BrokenWire, OutOfRange, Frozen }
 }
 
 impl Quality {

@@ -96,16 +96,18 @@ pub struct Inputs {
     got: u16,
     /// Whether a frame of C1, or of C2, came that belongs to no cycle that is still open.
     refused: [bool; 2],
+    /// Whether frames of C1, or of C2, came that cannot be relied on.
+    doubted: [bool; 2],
     counts: [i64; PLACES],
     numbers: [f64; PLACES],
 }
 
-whole! { Inputs { got, refused, counts, numbers } }
+whole! { Inputs { got, refused, doubted, counts, numbers } }
 
 impl Inputs {
     /// Forgets everything, for the next cycle.
     pub fn clear(&mut self) {
-        (self.got, self.refused) = (0, [false; 2]);
+        (self.got, self.refused, self.doubted) = (0, [false; 2], [false; 2]);
     }
 
     /// The fields that have arrived, by [`Field::bit`].
@@ -183,6 +185,26 @@ impl Inputs {
     /// See [`Self::refuse`].
     pub const fn is_refused(&self, transducer: Transducer) -> bool {
         self.refused[transducer as usize]
+    }
+
+    /// Notes that frames of the transducer contradict each other: none of them is its reading, not even the first.
+    pub const fn contradict(&mut self, transducer: Transducer) {
+        let reading = Field::Position(transducer).bit()
+            | Field::Velocity(transducer).bit()
+            | Field::Status(transducer).bit()
+            | Field::Counter(transducer).bit();
+        self.got &= !(reading | CODED[transducer as usize]);
+        self.doubt(transducer);
+    }
+
+    /// Notes that a frame of the transducer came that cannot be relied on.
+    pub const fn doubt(&mut self, transducer: Transducer) {
+        self.doubted[transducer as usize] = true;
+    }
+
+    /// See [`Self::doubt`].
+    pub const fn is_doubted(&self, transducer: Transducer) -> bool {
+        self.doubted[transducer as usize]
     }
 
     /// Notes that the alive counter has confirmed the reading as new.

@@ -3,7 +3,7 @@
 import { recording, recordingOf, recordings } from "./recordings.js";
 import { QUANTITIES, element, millimetres as mm, say, sentence, utc } from "./words.js";
 
-const KINDS = ["incident", "act", "start", "stop", "reload", "refused", "bus_opened", "bus_lost", "controller", "nmt", "timing", "device", "clock", "lost"];
+const KINDS = ["incident", "act", "start", "stop", "reload", "refused", "bus_opened", "bus_lost", "controller", "nmt", "timing", "device", "clock", "doubt", "lost"];
 const LEVELS = ["yellow", "orange", "red", "black"];
 const SUSPECTS = { c1: "C1", c2: "C2", undecided: "C1 or C2", process: "neither transducer" };
 const PAGE = 50;

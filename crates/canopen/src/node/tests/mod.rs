@@ -13,6 +13,8 @@ const COUNTS: Counts = Counts {
     missing: 6,
     late: 7,
     repeated: 8,
+    contradicting: 14,
+    short: 15,
     held: 9,
     bad_signals: 10,
     backwards: 11,

@@ -17,6 +17,8 @@ pub enum NotJudged {
     State,
     /// Its readings did not come.
     NoReadings,
+    /// Its frames could not be relied on.
+    Doubtful,
     /// Its readings did not pass the plausibility checks.
     Implausible,
     NoCommand,
@@ -24,7 +26,7 @@ pub enum NotJudged {
     Settling,
 }
 
-choice! { NotJudged { State, NoReadings, Implausible, NoCommand, Settling } }
+choice! { NotJudged { State, NoReadings, Doubtful, Implausible, NoCommand, Settling } }
 
 /// A time in which the observer of a transducer did not judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +132,7 @@ impl Cylinder {
     fn not_judged(&self, i: usize, now: Evaluation) -> NotJudged {
         match self.plausibility[i].quality() {
             Quality::Missing | Quality::Stale => NotJudged::NoReadings,
+            Quality::Doubtful => NotJudged::Doubtful,
             quality if !quality.is_good() => NotJudged::Implausible,
             _ if now.gate == Opening::Closed => NotJudged::State,
             _ if self.command_missing > 0 || self.command_silent => NotJudged::NoCommand,

@@ -5,6 +5,7 @@ use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
 use crate::process::Malfunction;
+use crate::sample::Quality;
 use crate::sequential::Sequential;
 use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
@@ -15,6 +16,7 @@ impl Cylinder {
         self.bank.any_found()
             || self.was_critical
             || self.last.any_latched()
+            || self.plausibility.iter().any(|it| it.quality() == Quality::Doubtful)
             || self.implausible.iter().any(Implausible::raised)
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
             || self.process.as_ref().is_some_and(|process| process.alarm().is_some())

@@ -50,16 +50,27 @@ pub struct LastOne {
     usual: UsualMotion,
     /// R3 of the cycle before, m.
     difference: Option<f64>,
+    /// Whether the other one was out by the difference alone when the displacement that is tried began.
+    was_apart: bool,
+    /// Whether the last one has stepped to where the other one had been displaced to, so that they agree and are both wrong.
+    has_joined: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined } }
 
 impl Default for LastOne {
     fn default() -> Self {
         let nothing = MotionRange::NONE;
         let usual =
             UsualMotion { range: nothing, tried: nothing, newest: 0.0, calm: 0, unusual: 0 };
-        Self { of: Default::default(), rests: Default::default(), usual, difference: None }
+        Self {
+            of: Default::default(),
+            rests: Default::default(),
+            usual,
+            difference: None,
+            was_apart: false,
+            has_joined: false,
+        }
     }
 }
 
@@ -119,6 +130,7 @@ impl LastOne {
         for watched in &mut self.of {
             (watched.latch, watched.is_named) = (None, false);
         }
+        self.has_joined = false;
     }
 }
 
@@ -158,6 +170,9 @@ impl Cylinder {
 
     #[cold]
     fn doubt_last(&mut self, residuals: &Residuals, good: [Option<Measurement>; 2]) {
+        // One of them has moved again.
+        let high = self.design.bank.difference.high;
+        self.last.has_joined &= residuals.r[2].is_none_or(|it| it.abs() <= high);
         let findings = self.findings();
         let blamed = |i: usize| {
             let names = |place: WarningPlace| {
@@ -166,7 +181,9 @@ impl Cylinder {
             STANDING.into_iter().any(names)
         };
         for i in 0..2 {
-            let is_out = self.implausible[i].raised() || self.last.is_latched(i) || blamed(i);
+            let is_doubtful = self.plausibility[i].quality() == Quality::Doubtful;
+            let is_out =
+                self.implausible[i].raised() || is_doubtful || self.last.is_latched(i) || blamed(i);
             let watched = &mut self.last.of[i];
             watched.out = if is_out { watched.out.saturating_add(1) } else { 0 };
         }
@@ -203,6 +220,7 @@ impl Cylinder {
             aftermath: 2 * observer.recovery(),
             confirm: time::samples(parameters.confirmed, self.design.bank.sample_time),
         };
+        let is_apart = !self.implausible[1 - i].raised() && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let exceeds = residual.is_some_and(|it| it.abs() > high.max(usual / parameters.last));
         watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
@@ -211,6 +229,9 @@ impl Cylinder {
             watched.beyond = 0;
             return;
         }
+        if watched.tried.is_none() {
+            self.last.was_apart = is_apart;
+        }
         let confirmed = watched.confirm(residual, &limits);
         if watched.latch.is_none() {
             let fault = found.map_or(Fault::Unclassified, |found| found.fault);
@@ -218,6 +239,22 @@ impl Cylinder {
         } else if let (Some(latch), Some(found)) = (&mut watched.latch, found) {
             latch.fault = found.fault;
         }
+        if confirmed.is_some() && self.last.was_apart {
+            self.join(i, residuals);
+        }
+    }
+
+    /// Takes that transducer `i` was displaced while the other one stood off: where they agree since, neither can be relied
+    /// on.
+    fn join(&mut self, i: usize, residuals: &Residuals) {
+        let agree = residuals.r[2].is_some_and(|it| it.abs() <= self.design.bank.difference.high);
+        if !agree || !self.has(TRANSDUCERS[1 - i]) {
+            return;
+        }
+        let latch = self.last.of[i].latch;
+        self.last.of[1 - i].latch =
+            latch.map(|it| Latch { residual: -it.residual, fault: it.fault });
+        self.last.has_joined = true;
     }
 
     /// Follows in which motion the observer of the last transducer is quiet.
@@ -276,7 +313,8 @@ impl Cylinder {
                 && self.plausibility[i].quality() == Quality::Good
         };
         let agree = self.bank.verdicts()[2] == Verdict::Healthy;
-        let differ = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
+        let differ =
+            self.last.has_joined || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {
             self.last.release();
         }

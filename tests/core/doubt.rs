@@ -1,0 +1,154 @@
+//! Frames that cannot all be their sender's: what they carry is unknown, which is told, and no transducer is blamed.
+
+use tertius::frame::{Frame, Id, Kind};
+use tertius::monitor::Notice;
+use tertius::sample::dispute::Doubt;
+use tertius::time::Span;
+use tertius_testing::machine::{Collected, Cycle, monitor};
+
+const C1_OF_1: u32 = 0x181;
+
+/// States in Fd_Status.
+const UNKNOWN: u64 = 0;
+const HEALTHY: u64 = 1;
+
+/// The frames of so many cycles, in which each frame of C1 of cylinder 1 becomes what `attack` makes of it.
+fn attacked(
+    cycles: std::ops::Range<i64>,
+    attack: impl Fn(i64, &Frame) -> Vec<Frame>,
+) -> (tertius::monitor::Monitor, Collected) {
+    let (mut monitor, mut seen) = (monitor(), Collected::default());
+    let mut frames: Vec<Frame> = Vec::new();
+    for k in 0..cycles.end {
+        for frame in Cycle::new(k).frames() {
+            let is_attacked = cycles.contains(&k) && frame.id.value() == C1_OF_1;
+            frames.extend(if is_attacked { attack(k, &frame) } else { vec![frame] });
+        }
+    }
+    frames.sort_by_key(|frame| frame.timestamp);
+    frames.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    (monitor, seen)
+}
+
+/// The frame `later`, µs, with another payload.
+fn copy(frame: &Frame, later: i64, change: impl Fn(&mut Vec<u8>)) -> Frame {
+    let mut data = frame.data().to_vec();
+    change(&mut data);
+    let at = frame.timestamp.after(Span::from_nanos(1000 * later));
+    Frame::new(at, Id::standard(C1_OF_1).expect("11 bits"), Kind::Data, &data)
+}
+
+/// What was told of doubts.
+fn told(seen: &Collected) -> Vec<(u32, Doubt, bool)> {
+    let doubt = |notice: &Notice| match *notice {
+        Notice::Doubt { id, doubt, is_over, .. } => Some((id.value(), doubt, is_over)),
+        _ => None,
+    };
+    seen.notices.iter().filter_map(doubt).collect()
+}
+
+#[track_caller]
+fn is_unknown(seen: &Collected, what: &str, why: Doubt) {
+    let [c1, others @ ..] = seen.status().transducers();
+    assert_eq!(c1, UNKNOWN, "{what}");
+    assert_eq!(others, [HEALTHY; 11], "{what}: the others are what they were");
+    assert!(seen.warnings.is_empty(), "{what}: {:?}", seen.warnings);
+    assert_eq!(told(seen), [(C1_OF_1, why, false)], "{what}");
+}
+
+/// The true reading is 30 mm off, or the wire is broken, and a twin says that all is well; or the other way round.
+#[test]
+fn frames_that_contradict_each_other_are_unknown_and_blame_nobody() {
+    let far = |data: &mut Vec<u8>| data[1] ^= 1;
+    let broken = |data: &mut Vec<u8>| data[4] = 3;
+    let longer = |data: &mut Vec<u8>| data.extend([7, 7]);
+    // Time of the twin: before, behind, and 12 ms early.
+    for later in [-50, 50, -12_000] {
+        for (what, change) in [
+            ("30 mm off", &far as &dyn Fn(&mut Vec<u8>)),
+            ("broken wire", &broken),
+            ("longer", &longer),
+        ] {
+            let (monitor, seen) = attacked(100..160, |_, frame| {
+                vec![copy(frame, later, |_| ()), copy(frame, 0, change)]
+            });
+            is_unknown(&seen, &format!("{what}, {later}"), Doubt::Contradiction);
+            assert!(monitor.counts().contradicting >= 55, "{:?}", monitor.counts());
+        }
+    }
+    // Frames of 10 s before, with their counters.
+    for later in [-50, 50] {
+        let (_, seen) = attacked(100..160, |k, frame| {
+            let before = copy(frame, later, |data| {
+                data[0] ^= 1;
+                data[5] = (k + 13) as u8;
+            });
+            vec![before, frame.clone()]
+        });
+        is_unknown(&seen, &format!("of 10 s before, {later}"), Doubt::Contradiction);
+    }
+}
+
+#[test]
+fn frames_that_no_longer_contradict_each_other_are_judged_again() {
+    let twice = |k: i64, frame: &Frame| match k {
+        100..110 => vec![frame.clone(), copy(frame, 50, |data| data[0] ^= 1)],
+        _ => vec![frame.clone()],
+    };
+    let (monitor, seen) = attacked(100..300, twice);
+    assert_eq!(monitor.counts().contradicting, 10);
+    let doubt = (C1_OF_1, Doubt::Contradiction);
+    assert_eq!(told(&seen), [(doubt.0, doubt.1, false), (doubt.0, doubt.1, true)]);
+    assert_eq!(seen.status().transducers(), [HEALTHY; 12]);
+    assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
+}
+
+#[test]
+fn a_frame_that_comes_twice_is_no_contradiction() {
+    let (monitor, seen) =
+        attacked(100..160, |_, frame| vec![frame.clone(), copy(frame, 50, |_| ())]);
+    assert_eq!((monitor.counts().repeated, monitor.counts().contradicting), (60, 0));
+    assert!(told(&seen).is_empty());
+    assert_eq!(seen.status().transducers(), [HEALTHY; 12]);
+}
+
+/// Its last byte is the alive counter: without it nothing says that the reading is new.
+#[test]
+fn a_frame_that_is_cut_off_proves_nothing() {
+    let cut = |length: usize| move |data: &mut Vec<u8>| data.truncate(length);
+    let (monitor, seen) = attacked(100..160, |_, frame| vec![copy(frame, 0, cut(5))]);
+    is_unknown(&seen, "cut off", Doubt::TooShort);
+    assert_eq!(monitor.counts().short, 60);
+    // A twin that is too short takes nothing from the true one.
+    for later in [-50, 50] {
+        let (_, seen) =
+            attacked(100..160, |_, frame| vec![copy(frame, later, cut(2)), frame.clone()]);
+        assert_eq!(seen.status().transducers(), [HEALTHY; 12], "{later}");
+        assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
+        assert_eq!(told(&seen), [(C1_OF_1, Doubt::TooShort, false)], "{later}");
+    }
+}
+
+/// What is unknown is no witness: the other transducer is judged as the last one.
+#[test]
+fn a_step_of_the_other_transducer_is_its_own() {
+    let (mut monitor, mut seen) = (monitor(), Collected::default());
+    let c2_of_1 = C1_OF_1 + 0x10;
+    for k in 0..300 {
+        for frame in Cycle::new(k).frames() {
+            let id = frame.id.value();
+            if k >= 100 && id == C1_OF_1 {
+                let twin = copy(&frame, 50, |data| data[0] ^= 1);
+                [frame, twin].iter().for_each(|it| monitor.take(it, &mut seen));
+            } else if k >= 200 && id == c2_of_1 {
+                let mut data = frame.data().to_vec();
+                data[0] = data[0].wrapping_add(90);
+                monitor.take(&Frame::new(frame.timestamp, frame.id, Kind::Data, &data), &mut seen);
+            } else {
+                monitor.take(&frame, &mut seen);
+            }
+        }
+    }
+    let faulty = 3;
+    assert_eq!(seen.status().transducers()[..2], [UNKNOWN, faulty], "{:?}", seen.warnings);
+}
