@@ -31,15 +31,11 @@ pub struct VerdictParameters {
     pub explained: f64,
     /// How much more a ramp must explain than a step, as a ratio; 1 or more. One sample alone fits both.
     pub ramp_advantage: f64,
-    /// From this many δ_h on an innovation of the last transducer of a cylinder is a displacement of it; 1 to 2. By the
-    /// thesis every step of 1.25 mm is found by a δ_h of 1 mm (section 5-4-2). The largest of 144 hours of a healthy
-    /// simulated transducer was 0.99 mm.
-    pub last: f64,
-    /// So many of 64 innovations beyond that are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
+    /// So many of 64 innovations of the last transducer of a cylinder beyond its limit are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
     /// sample has three: where one in a hundred is wild, as many meet about once in a thousand hours.
     pub last_noise: u32,
-    /// A displacement of it has to stay for so long, s; 0.04 to 0.2. Five samples at 50 Hz: two wild samples side by side
-    /// are over by then.
+    /// A displacement of it has to stay for so long, s; 0.04 to 1. A transducer that fluctuates is now and then off for
+    /// 0.2 s (Figure 5-9), and by twice as much where one fluctuation follows the other.
     pub confirmed: f64,
 }
 
@@ -54,9 +50,8 @@ impl VerdictParameters {
         gain: 0.005,
         explained: 0.5,
         ramp_advantage: 1.02,
-        last: 1.25,
         last_noise: 22,
-        confirmed: 0.1,
+        confirmed: 0.3,
     };
 
     /// The counts for a machine with this `sample_time`, s. Above 100 Hz the rings are too short, and the

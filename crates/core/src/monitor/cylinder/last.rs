@@ -214,7 +214,7 @@ impl Cylinder {
         // On a machine that the model fits badly a threshold alone is no evidence.
         let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
         let limits = Limits {
-            least: (parameters.last * high).max(usual),
+            least: high.max(usual),
             noise: parameters.last_noise,
             gain: observer.l[(0, 0)],
             aftermath: 2 * observer.recovery(),
@@ -222,7 +222,7 @@ impl Cylinder {
         };
         let is_apart = !self.implausible[1 - i].raised() && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
-        let exceeds = residual.is_some_and(|it| it.abs() > high.max(usual / parameters.last));
+        let exceeds = residual.is_some_and(|it| it.abs() > limits.least);
         watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
         // The cycle after a displacement is judged by what is left of it, whatever the controller makes of it.
         if !is_evidence && watched.tried.is_none() {
