@@ -16,7 +16,7 @@ pub use flaw::Flaw;
 use super::settings::{CylinderSignals, Settings};
 use super::text::bus_of;
 use flaw::once_per_key;
-use tertius_core::alarm::Deadlines;
+use process::deadlines;
 use tertius_core::compare::Comparator;
 use tertius_core::frame::BusNumber;
 use tertius_core::monitor::cylinder::CylinderDesign;
@@ -395,9 +395,4 @@ impl<'a> Connector<'a> {
             ));
         }
     }
-}
-
-/// Times to a limit at which an alarm is of another level.
-const fn deadlines(settings: &Settings) -> Deadlines {
-    Deadlines { soon: settings.alarm.soon, at_once: settings.alarm.at_once }
 }

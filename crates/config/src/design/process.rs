@@ -1,9 +1,11 @@
 //! From the fitted tables to the process detectors.
 
-use super::{Connector, Flaw, deadlines};
+use super::{Connector, Flaw};
+use crate::settings::Settings;
 use crate::settings::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,
 };
+use tertius_core::alarm::Deadlines;
 use tertius_core::process::flow::FlowWeighing;
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
 use tertius_core::process::friction::FrictionWeighing;
@@ -205,4 +207,9 @@ fn chambers(fitted: &ChambersTable) -> ChambersDesign {
         growth: fitted.growth,
         dependence: [fitted.mean_dependence, fitted.square_dependence],
     }
+}
+
+/// Times to a limit at which an alarm is of another level.
+pub(super) const fn deadlines(settings: &Settings) -> Deadlines {
+    Deadlines { soon: settings.alarm.soon, at_once: settings.alarm.at_once }
 }
