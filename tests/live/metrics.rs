@@ -557,6 +557,10 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let drifting = later(&healthy, drift, &format!("{drift}{due}"));
     let dropped = "\ntertius_frames_dropped_total 0\n";
     let dropping = later(&healthy, dropped, "\ntertius_frames_dropped_total 3\n");
+    let alike = "\ntertius_frames_contradicting_total 0\n";
+    let contradicting = later(&healthy, alike, "\ntertius_frames_contradicting_total 3\n");
+    let cut = "\ntertius_frames_short_total 0\n";
+    let short = later(&healthy, cut, "\ntertius_frames_short_total 3\n");
     let opened = "\ntertius_incidents_opened_total{cylinder=\"2\"} 0\n";
     let again = later(&healthy, opened, &opened.replace("} 0", "} 4"));
     let failures = "\ntertius_store_failures_total 0\n";
@@ -568,7 +572,7 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "locked": locked, "full": full, "unrecorded": unrecorded,
         "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
         "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
-        "again": again,
+        "again": again, "contradicting": contradicting, "short": short,
     });
     let files = ["config/prometheus/tertius.rules.yml", "config/grafana/tertius.json"];
     let told = oracle::run("alerts.py", &files, &cases.to_string());
@@ -580,6 +584,7 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "Drift",
         "HistoryLost",
         "FramesLost",
+        "FramesContradict",
         "EventsNotKept",
         "IncidentsNotRecorded",
     ];
@@ -588,7 +593,8 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "healthy": [], "faulty": ["Warning"], "still": ["Blind"], "quiet": ["Blind"],
         "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
         "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
-        "dropping": ["FramesLost"], "again": ["IncidentsAgainAndAgain"],
+        "dropping": ["FramesLost"], "contradicting": ["FramesContradict"], "short": ["FramesContradict"],
+        "again": ["IncidentsAgainAndAgain"],
     });
     assert_eq!(told["firing"], expected);
     assert_eq!(told["queries"], 11, "each asks for what there is");
