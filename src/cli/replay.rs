@@ -16,6 +16,7 @@ use super::state::{self, StateFile};
 use crate::bus::{Options, Recording, Statistics, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::alignment;
+use crate::report::doubtful;
 use crate::report::human::{self, Heading};
 use crate::report::page::{self, PageRecorder};
 use crate::report::stamps::Stamped;
@@ -288,8 +289,12 @@ impl Replay {
         let blanks = Blanks { blanks: blanks.collect(), unjudged: monitor.unjudged().collect() };
         let episodes = std::mem::take(&mut output.episodes);
         let incidents = std::mem::take(&mut output.incidents);
-        let remarks: Vec<String> =
-            remarks.iter().cloned().chain(alignment::remark(&episodes)).collect();
+        let remarks: Vec<String> = remarks
+            .iter()
+            .cloned()
+            .chain(alignment::remark(&episodes))
+            .chain(doubtful::remarks(monitor.counts()))
+            .collect();
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
         let stops = Stops::new(histories, machine.loaded.settings.drift_limits());
         let summary = Summary {

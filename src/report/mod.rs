@@ -7,6 +7,7 @@ pub mod columns;
 pub mod commission;
 pub mod coverage;
 pub(crate) mod device;
+pub mod doubtful;
 pub mod episode;
 pub mod estimates;
 pub mod evaluation;

@@ -23,6 +23,45 @@ fn said(run: &Run) -> Vec<Value> {
     run.lines().into_iter().filter(|line| line["type"] != "summary").collect()
 }
 
+/// A second device sends C1 of cylinder 1, too, and another device cuts off the alive counter of C1 of cylinder 2.
+#[test]
+fn frames_that_cannot_be_relied_on_are_told_first() {
+    let scratch = Scratch::new();
+    let log: String = excerpt()
+        .lines()
+        .flat_map(|line| match line.split_once(" 181#") {
+            Some((before, data)) => {
+                let other = if data.starts_with('F') { '0' } else { 'F' };
+                vec![line.to_owned(), format!("{before} 181#{other}{}", &data[1..])]
+            }
+            None if line.contains(" 182#") => vec![line[..line.len() - 2].to_owned()],
+            None => vec![line.to_owned()],
+        })
+        .map(|line| line + "\n")
+        .collect();
+    let doubtful = scratch.write("doubtful.log", log);
+    let text = tertius(&["replay", &doubtful, "--config", E_TYPE], b"").ok().stdout;
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = [
+        "Look at the bus: 250 frames with the same count as another one",
+        "Look at the bus: 250 frames too short for the signals that are configured",
+        "frames 0x181 contradict each other",
+        "frames 0x182 are too short",
+        "its frames could not be relied on",
+    ];
+    words.into_iter().for_each(|it| assert!(text.contains(it), "{it:?} is not in\n{text}"));
+    let run = replay(&[&doubtful], E_TYPE, &[]).ok();
+    let summary = run.summary();
+    assert_eq!(
+        (&summary["contradicting_frames"], &summary["short_frames"]),
+        (&250.into(), &250.into())
+    );
+    assert_eq!(summary["remarks"].as_array().map(Vec::len), Some(2));
+    let blamed =
+        |it: &Value| it["type"] == "warning" && (it["cylinder"] == 1 || it["cylinder"] == 2);
+    assert!(!run.lines().iter().any(|it| blamed(it) && it["suspect"] == "c1"));
+}
+
 fn bad_lines() -> [Vec<u8>; 14] {
     [
         b"no candump line at all".to_vec(),
