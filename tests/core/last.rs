@@ -323,3 +323,23 @@ fn a_step_that_stood_still_is_subtracted_where_nothing_else_is_left() {
         assert_eq!(late, None, "{last}: C1 stepped again");
     }
 }
+
+/// C1 drifts by 0.05 mm/s, which nobody can name, and C2 is lost: what is left may be the one that was wrong.
+#[test]
+fn a_transducer_that_is_left_of_a_dispute_is_not_valid() {
+    let setup = machine(fine(&[], ""));
+    let of = |n: u8| {
+        [
+            format!("drift,cylinder={n},sensor=c1,at=30,rate=0.00005"),
+            format!("loss,cylinder={n},sensor=c2,at={}", 100.0 + later(n)),
+        ]
+    };
+    let faults: Vec<String> = (1..=6).flat_map(of).collect();
+    let seen = play(&setup, 120.0, &setup.options(17, &faults));
+    for cylinder in 1..=6 {
+        let (valid, lost) = (seen.valid(cylinder), 100.0 + later(cylinder));
+        assert!(valid.iter().any(|at| (90.0..100.0).contains(at)), "{cylinder}: by both");
+        let late = valid.into_iter().find(|at| *at > lost + 0.2);
+        assert_eq!(late, None, "{cylinder}");
+    }
+}

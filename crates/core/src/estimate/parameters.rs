@@ -18,6 +18,9 @@ pub struct EstimateParameters {
     /// A reserve is sent so often, s; so old to twice as old is what the estimate goes on from where blame
     /// leaves nobody. A second, as findings come within one of the fault (docs/EVALUATION.md).
     pub reserve: f64,
+    /// A difference whose suspect is not known and that stood for longer than this, s, is not explained by what the other
+    /// transducer is blamed for later; longer than it takes to find a frozen reading, whose difference comes first.
+    pub disputed: f64,
     /// A mean square error of n trials counts as 1 + this/n of it; 1 to 10. An error of a single trial
     /// tells little of the next.
     pub doubt: f64,
@@ -37,6 +40,7 @@ impl EstimateParameters {
         wild: 100.0,
         difference_left: Decay { left: 0.37, after: 1.0 },
         reserve: 1.0,
+        disputed: 10.0,
         doubt: 4.0,
         fastest: 1.5,
         drive_unknown: [0.05, 0.1],
@@ -49,6 +53,7 @@ impl EstimateParameters {
         EstimateCycles {
             memory: at_least_one(self.memory),
             reserve: at_least_one(self.reserve),
+            disputed: at_least_one(self.disputed),
             difference_left: self.difference_left.per_cycle(sample_time),
         }
     }
@@ -65,6 +70,7 @@ impl Default for EstimateParameters {
 pub struct EstimateCycles {
     pub memory: u32,
     pub reserve: u32,
+    pub disputed: u32,
     /// What is left after one cycle.
     pub difference_left: f64,
 }

@@ -53,6 +53,8 @@ pub struct SensorInput {
     pub trusted: [bool; 2],
     /// Whether one of the two is blamed, but it is not known which.
     pub undecided: bool,
+    /// Whether a detector of the difference names a transducer.
+    pub resolved: bool,
     /// Whether the rod does not follow the command.
     pub process: bool,
     /// Transducers that are blamed for a step, and for nothing else.
@@ -88,6 +90,8 @@ pub struct VirtualSensor {
     startled: f64,
     carrier: Option<Carrier>,
     reserve: Reserve,
+    /// Cycles for which one of the two was wrong and nobody knew which.
+    disputed: u32,
     /// The steps of C1 and C2.
     accommodations: Option<[Accommodation; 2]>,
     /// Cycles since a trusted transducer was read.
@@ -99,7 +103,7 @@ pub struct VirtualSensor {
 
 state! {
     VirtualSensor {
-        velocity, feed, filters, growth, differences, difference, largest, startled, carrier, reserve,
+        velocity, feed, filters, growth, differences, difference, largest, startled, carrier, reserve, disputed,
         without, relied_on, cycle,
     }
     parts { accommodations }
@@ -121,6 +125,7 @@ impl VirtualSensor {
             without: 0,
             carrier: None,
             reserve: Reserve::default(),
+            disputed: 0,
             accommodations: design.accommodation.map(|it| [0, 1].map(|_| Accommodation::new(it))),
             relied_on: [false; 2],
             cycle: 0,
@@ -147,6 +152,11 @@ impl VirtualSensor {
             self.interrupt();
         }
         self.cycle = input.cycle;
+        if input.is_calm() || input.resolved {
+            self.disputed = 0;
+        } else if input.undecided {
+            self.disputed = self.disputed.saturating_add(1);
+        }
         let SensorDesign { dynamics, scale, max_gap, parameters, .. } = &self.design;
         let counted = Counted { wild: parameters.wild, memory: self.cycles.memory };
         let counted = input.is_calm().then_some(counted);
@@ -226,8 +236,10 @@ impl VirtualSensor {
             self.growth.recall();
         }
         self.carrier = Some(told);
-        // One transducer alone is vouched for by the model only, and not while that is in doubt.
-        let alone = able && !input.undecided && !input.process;
+        // One transducer alone is vouched for by the model only, and not while that is in doubt, or it may itself be the one
+        // by which the two had differed before the other one was lost.
+        let disputed = self.disputed > self.cycles.disputed;
+        let alone = able && !input.undecided && !input.process && !disputed;
         Some(self.judged(x[0], variance, source, source == Source::Both || alone))
     }
 

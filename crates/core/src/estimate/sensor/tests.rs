@@ -49,6 +49,7 @@ fn sound(cycle: u64) -> SensorInput {
         follows: true,
         trusted: [true; 2],
         undecided: false,
+        resolved: false,
         displaced: [false; 2],
         beyond: [false; 2],
         doubted: false,
@@ -177,6 +178,30 @@ fn one_alone_needs_a_model_that_is_not_in_doubt() {
     ] {
         assert_eq!(told(&mut learnt(), input).valid, valid, "{input:?}");
     }
+}
+
+/// The two differed for half a minute when C2 was lost: it may have been C1 that was wrong.
+#[test]
+fn what_is_left_of_a_dispute_is_not_believed() {
+    let differing = |cycle| SensorInput { undecided: true, ..sound(cycle) };
+    let lost = |cycle| {
+        let input = sound(cycle);
+        SensorInput { trusted: [true, false], lengths: [input.lengths[0], None], ..input }
+    };
+    let after = |seconds: u64| {
+        let mut sensor = learnt();
+        let end = LEARNT + 50 * seconds;
+        (LEARNT..end).for_each(|cycle| _ = sensor.step(&differing(cycle)));
+        (sensor, end)
+    };
+    let (mut sensor, end) = after(30);
+    assert!(!told(&mut sensor, lost(end)).valid);
+    assert!(!told(&mut sensor, lost(end + 1)).valid, "nothing has shown who was wrong");
+    // A reading that freezes differs before it is found, and one that is named has been the one.
+    let (mut short, at) = after(5);
+    assert!(told(&mut short, lost(at)).valid);
+    let named = SensorInput { resolved: true, ..lost(end + 2) };
+    assert!(told(&mut sensor, named).valid);
 }
 
 #[test]

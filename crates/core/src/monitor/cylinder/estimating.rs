@@ -59,6 +59,7 @@ impl Cylinder {
             trusted,
             // Whoever is blamed is what the two differ by.
             undecided: blames(Suspect::Undecided) && trusted == [true; 2],
+            resolved: is_resolved(&found),
             process: blames(Suspect::Process),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
             beyond: [0, 1].map(|i| residuals.r[i].is_some_and(is_beyond)),
@@ -66,6 +67,14 @@ impl Cylinder {
         };
         self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
     }
+}
+
+/// Whether a detector of the difference names a transducer.
+fn is_resolved(found: &[Option<Finding>; PLACES]) -> bool {
+    const OF_DIFFERENCE: [WarningPlace; 3] =
+        [WarningPlace::Fde3, WarningPlace::Sequential, WarningPlace::Hexapod];
+    let names = |it: &Finding| matches!(it.suspect, Suspect::C1 | Suspect::C2);
+    OF_DIFFERENCE.into_iter().any(|place| found[place as usize].as_ref().is_some_and(names))
 }
 
 /// Whether `suspect` is blamed for a step, and for nothing else.
