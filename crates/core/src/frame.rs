@@ -128,11 +128,13 @@ impl Frame {
 
     /// A digest of the payload: that of payloads which differ is another one, but for one chance in 2⁶⁴ where they are longer than
     /// eight bytes.
-    #[inline]
+    #[inline(always)]
     pub fn digest(&self) -> u64 {
-        if let Some(word) = self.word() {
-            return word;
-        }
+        self.word().unwrap_or_else(|| self.digest_of_many())
+    }
+
+    #[cold]
+    fn digest_of_many(&self) -> u64 {
         let mut words = self.data().chunks(8).map(|chunk| {
             let mut word = [0; 8];
             word[..chunk.len()].copy_from_slice(chunk);

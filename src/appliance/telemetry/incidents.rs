@@ -139,7 +139,7 @@ impl Slot {
         self.named.store(incident.named.map_or(0, |it| it.at.as_nanos()), Ordering::Relaxed);
         self.peak.set(worst.map(|(_, peak)| peak.value.abs()));
         self.limit.set(worst.map(|(quantity, _)| incident.limits[quantity as usize]));
-        let named = incident.named.map_or(0, |it| NAMED | u64::from(it.by_its_end) * BY_ITS_END);
+        let named = incident.named.map_or(0, |it| NAMED | (u64::from(it.by_its_end) * BY_ITS_END));
         let alone = u64::from(incident.is_alone()) * ALONE;
         let marks = named | alone | worst.map_or(0, |(quantity, _)| quantity as u64 + 1);
         let (number, level) = (u64::from(incident.number), incident.level as u64);

@@ -207,7 +207,8 @@ mod tests {
 
     #[test]
     fn what_stands_swings_or_steps_runs_nowhere_and_what_comes_back_is_no_longer_urgent() {
-        let wave = |period: f64| move |t: f64| 20.0 * libm::sin(6.28 / period * t);
+        let wave =
+            |period: f64| move |t: f64| 20.0 * libm::sin(core::f64::consts::TAU / period * t);
         assert_eq!(told(|_| 49.0, 60.0), []);
         assert_eq!(told(|t| if t < 20.0 { 0.0 } else { 40.0 }, 60.0), []);
         for period in [4.0, 6.0, 8.0, 10.0] {

@@ -13,7 +13,7 @@
 //! prediction had while there were readings to compare it with ([`growth`]); no figure of the model
 //! is trusted. Where no transducer is left because both are blamed, the prediction starts from a
 //! second earlier, since the last estimate includes their errors. If it is configured, a transducer whose step stood still
-//! is read less that step instead ([`accommodation`]), and no longer than its innovations are small.
+//! is read less that step instead, and no longer than its innovations are small.
 //!
 //! Lengths are on the scale of C1, whose own error is not known.
 //!

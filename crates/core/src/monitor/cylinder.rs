@@ -263,7 +263,7 @@ impl Cylinder {
             self.judge_process(now, good);
         }
         self.judge_precedence();
-        self.judge_last(now, &residuals, good, command);
+        let finds = self.judge_last(now, &residuals, good, command);
         if self.sensor.is_some() {
             self.estimate(now, good, &residuals);
         }
@@ -272,7 +272,7 @@ impl Cylinder {
         if !self.blanks.goes_on(self.judged) {
             self.note_blank(now);
         }
-        self.is_busy = self.is_watched | self.finds_anything();
+        self.is_busy = self.is_watched | finds;
         if self.is_busy {
             self.note_quantities(&residuals);
         }

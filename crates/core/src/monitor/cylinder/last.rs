@@ -117,12 +117,12 @@ impl LastOne {
         self.of = self.of.map(|it| Watched { power: it.power, ..Watched::default() });
     }
 
-    /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`.
+    /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`, for so many `cycles`.
     #[inline]
-    fn measure(&mut self, i: usize, residual: Option<f64>, most: f64) {
+    fn measure(&mut self, i: usize, residual: Option<f64>, most: f64, cycles: u32) {
         let Some(residual) = residual else { return };
         let (counted, power) = (residual.abs().min(most), &mut self.of[i].power);
-        *power += FADING * (counted * counted - *power);
+        *power += f64::from(cycles) * FADING * (counted * counted - *power);
     }
 
     /// Ends the latches, because there is evidence that the readings are right.
@@ -135,7 +135,7 @@ impl LastOne {
 }
 
 impl Cylinder {
-    /// Supervises the last transducer in a cycle, after all detectors have judged it.
+    /// Supervises the last transducer in a cycle, after all detectors have judged it. Returns whether any finds anything.
     #[inline]
     pub(super) fn judge_last(
         &mut self,
@@ -143,22 +143,25 @@ impl Cylinder {
         residuals: &Residuals,
         good: [Option<Measurement>; 2],
         command: Option<f64>,
-    ) {
-        if self.finds_anything() {
+    ) -> bool {
+        let finds = self.finds_anything();
+        if finds {
             self.doubt_last(residuals, good);
             self.try_motion(residuals, good, command);
             let most = MOST * self.design.bank.observer.high;
             let beside = [0, 1].map(|i| !self.is_last(i));
             for i in (0..2).filter(|i| beside[*i]) {
-                self.last.measure(i, residuals.r[i], most);
+                self.last.measure(i, residuals.r[i], most, 1);
             }
         } else if let Some(reading) = good[0].or(good[1]) {
             if self.last.of[0].out | self.last.of[1].out != 0 {
                 self.last.forget();
             }
             self.last.usual.extend(reading.position, command);
-            let most = MOST * self.design.bank.observer.high;
-            (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most));
+            if self.last.usual.calm.is_multiple_of(EVERY) {
+                let most = MOST * self.design.bank.observer.high;
+                (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most, EVERY));
+            }
         }
         self.last.difference = residuals.r[2];
         if now.at_stop {
@@ -166,6 +169,7 @@ impl Cylinder {
         } else if self.last.rests[0].count | self.last.rests[1].count != 0 {
             self.leave_stop();
         }
+        if finds { self.finds_anything() } else { false }
     }
 
     #[cold]
@@ -222,7 +226,7 @@ impl Cylinder {
         };
         let is_apart = !self.implausible[1 - i].raised() && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
-        let exceeds = residual.is_some_and(|it| it.abs() > limits.least);
+        let exceeds = residual.is_some_and(|it| it.abs() > high.max(NAMED * usual));
         watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
         // The cycle after a displacement is judged by what is left of it, whatever the controller makes of it.
         if !is_evidence && watched.tried.is_none() {
@@ -379,8 +383,14 @@ const STOP: f64 = 0.1;
 /// So many standard deviations of the innovations in health are well above them.
 const WELL_ABOVE: f64 = 8.0;
 
+/// Part of that from which on the transducer is named, although the displacement is not yet latched.
+const NAMED: f64 = 0.8;
+
 /// Share of the newest innovation in their mean square: a minute at 50 Hz.
 const FADING: f64 = 1.0 / 3000.0;
+
+/// While nothing is found one innovation in so many counts, for as many: nearly as good, and cheaper.
+const EVERY: u32 = 4;
 
 /// An innovation counts in it as no more than this many δ_h: a fault is not what is usual.
 const MOST: f64 = 4.0;

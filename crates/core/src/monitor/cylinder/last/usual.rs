@@ -28,10 +28,17 @@ impl MotionRange {
 
     #[inline]
     pub fn include(&mut self, other: &Self) {
+        // Nearly always it is within.
         let ([low, high], [lowest, highest]) = (other.been, self.been);
-        self.been = [lowest.min(low), highest.max(high)];
-        self.command = self.command.max(other.command);
-        self.change = self.change.max(other.change);
+        if low < lowest || high > highest {
+            self.been = [lowest.min(low), highest.max(high)];
+        }
+        if other.command > self.command {
+            self.command = other.command;
+        }
+        if other.change > self.change {
+            self.change = other.change;
+        }
     }
 
     /// Whether it has a command that is far beyond this range.
