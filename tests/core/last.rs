@@ -343,26 +343,3 @@ fn a_transducer_that_is_left_of_a_dispute_is_not_valid() {
         assert_eq!(late, None, "{cylinder}");
     }
 }
-
-/// The command is larger than any before when C2 leaps: no motion goes so far in a cycle.
-#[test]
-fn a_leap_of_the_last_transducer_is_its_own_in_any_motion() {
-    let setup = machine(fine(&[], ""));
-    for seed in 20..26 {
-        let of = |n: u8| {
-            [
-                format!("loss,cylinder={n},sensor=c1,at={}", 31.0 + later(n)),
-                format!("step,cylinder={n},sensor=c2,at={},size=0.06", 32.0 + later(n)),
-            ]
-        };
-        let faults: Vec<String> = (1..=6).flat_map(of).collect();
-        let seen = play(&setup, 40.0, &setup.options(seed, &faults));
-        for cylinder in 1..=6 {
-            let at = 32.0 + later(cylinder);
-            let named = seen.named(cylinder, Suspect::C2);
-            let black = seen.black(cylinder, Suspect::C2).unwrap_or_default();
-            assert!((at - 1e-3..at + 0.4).contains(&black), "{seed}, {cylinder}: {named:?}");
-            assert!(seen.valid(cylinder).iter().all(|it| *it < at + 0.4), "{seed}, {cylinder}");
-        }
-    }
-}

@@ -9,13 +9,11 @@
 //! a rod that it drives to its end, makes the observer of a sound C2 disagree, too.
 
 mod displacement;
-mod rest;
 mod usual;
 
 use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
-use crate::estimate::EstimateParameters;
 use crate::observe::observer::Measurement;
 use crate::sample::Quality;
 use crate::sample::plausibility::NOWHERE;
@@ -23,7 +21,6 @@ use crate::state::whole;
 use crate::time;
 use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
-use rest::Rest;
 use usual::{MotionRange, UsualMotion};
 
 /// Names of the two transducers.
@@ -33,22 +30,33 @@ const NAMES: [Suspect; 2] = [Suspect::C1, Suspect::C2];
 /// a second by noise, too.
 const STANDING: [WarningPlace; 2] = [WarningPlace::Fde3, WarningPlace::Sequential];
 
+/// Reading on the mechanical stop.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rest {
+    /// Sum of the readings of this stay, m, and their number.
+    sum: f64,
+    count: u32,
+    /// Mean of the last stay in which nothing was found, m.
+    healthy: Option<f64>,
+}
+
+whole! { Rest { sum, count, healthy } }
+
 /// Supervision of the last transducer of one cylinder.
 #[derive(Clone, Copy, Debug)]
 pub struct LastOne {
     of: [Watched; 2],
     rests: [Rest; 2],
     usual: UsualMotion,
-    /// R3 of the cycle before, m, and whether R1 and R2 were known in it.
+    /// R3 of the cycle before, m.
     difference: Option<f64>,
-    known: [bool; 2],
     /// Whether the other one was out by the difference alone when the displacement that is tried began.
     was_apart: bool,
     /// Whether the last one has stepped to where the other one had been displaced to, so that they agree and are both wrong.
     has_joined: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference, known, was_apart, has_joined } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined } }
 
 impl Default for LastOne {
     fn default() -> Self {
@@ -60,7 +68,6 @@ impl Default for LastOne {
             rests: Default::default(),
             usual,
             difference: None,
-            known: [false; 2],
             was_apart: false,
             has_joined: false,
         }
@@ -157,7 +164,6 @@ impl Cylinder {
             }
         }
         self.last.difference = residuals.r[2];
-        self.last.known = [0, 1].map(|i| residuals.r[i].is_some());
         if now.at_stop {
             self.rest_last(good);
         } else if self.last.rests[0].count | self.last.rests[1].count != 0 {
@@ -202,11 +208,10 @@ impl Cylinder {
         let residual = residuals.r[i];
         let found = self.bank.detections()[i];
         let is_evidence = self.is_last(i)
-            && (self.is_leap(i, residual)
-                || self.last.usual.unusual == 0
-                    && !self.is_elsewhere(residuals, good)
-                    && self.is_seen_by_difference(i, residuals)
-                    && self.process.as_ref().is_none_or(|it| it.alarm().is_none()));
+            && self.last.usual.unusual == 0
+            && !self.is_elsewhere(residuals, good)
+            && self.is_seen_by_difference(i, residuals)
+            && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
         let parameters = self.design.bank.parameters;
         let high = self.design.bank.observer.high;
         let observer = &self.design.observers[i];
@@ -241,13 +246,6 @@ impl Cylinder {
         if confirmed.is_some() && self.last.was_apart {
             self.join(i, residuals);
         }
-    }
-
-    /// Whether the reading of transducer `i` has leapt further from one cycle to the next than any rod goes, which it is
-    /// displaced by whatever the motion.
-    fn is_leap(&self, i: usize, residual: Option<f64>) -> bool {
-        let farthest = EstimateParameters::DEFAULT.fastest * self.design.bank.sample_time;
-        self.last.known[i] && residual.is_some_and(|it| it.abs() > farthest)
     }
 
     /// Takes that transducer `i` was displaced while the other one stood off: where they agree since, neither can be relied
@@ -323,6 +321,38 @@ impl Cylinder {
             self.last.has_joined || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {
             self.last.release();
+        }
+    }
+
+    /// Takes the readings on the mechanical stop.
+    #[cold]
+    fn rest_last(&mut self, good: [Option<Measurement>; 2]) {
+        for (rest, reading) in self.last.rests.iter_mut().zip(good) {
+            let Some(reading) = reading else { continue };
+            rest.sum += reading.position;
+            rest.count = rest.count.saturating_add(1);
+        }
+        let agrees = |i: usize| {
+            let Rest { sum, count, healthy } = self.last.rests[i];
+            let mean = sum / f64::from(count.max(1));
+            let enough = count >= self.design.observers[i].settle.max(1);
+            enough && healthy.is_some_and(|it| (it - mean).abs() <= self.design.bank.observer.high)
+        };
+        let latched = |i: usize| self.last.is_latched(i);
+        if self.last.any_latched() && (0..2).all(|i| !latched(i) || agrees(i)) {
+            self.last.release();
+        }
+    }
+
+    /// Keeps what was read on the stop that the rod has left, if nothing was found.
+    #[cold]
+    fn leave_stop(&mut self) {
+        let is_healthy = !self.finds_anything();
+        for rest in &mut self.last.rests {
+            if is_healthy && rest.count > 0 {
+                rest.healthy = Some(rest.sum / f64::from(rest.count));
+            }
+            (rest.sum, rest.count) = (0.0, 0);
         }
     }
 
