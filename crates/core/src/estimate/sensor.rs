@@ -53,7 +53,7 @@ pub struct SensorInput {
     pub trusted: [bool; 2],
     /// Whether one of the two is blamed, but it is not known which.
     pub undecided: bool,
-    /// Whether a detector of the difference names a transducer.
+    /// Whether a detector names a transducer for what it reads.
     pub resolved: bool,
     /// Whether the rod does not follow the command.
     pub process: bool,

@@ -69,12 +69,13 @@ impl Cylinder {
     }
 }
 
-/// Whether a detector of the difference names a transducer.
+/// Whether a detector names a transducer for what it reads. That no reading comes, or a frozen one, says nothing of what it
+/// read before.
 fn is_resolved(found: &[Option<Finding>; PLACES]) -> bool {
-    const OF_DIFFERENCE: [WarningPlace; 3] =
-        [WarningPlace::Fde3, WarningPlace::Sequential, WarningPlace::Hexapod];
+    let facts = [WarningPlace::PlausibilityOfC1, WarningPlace::PlausibilityOfC2];
     let names = |it: &Finding| matches!(it.suspect, Suspect::C1 | Suspect::C2);
-    OF_DIFFERENCE.into_iter().any(|place| found[place as usize].as_ref().is_some_and(names))
+    let mut each = found.iter().enumerate().filter_map(|(place, it)| Some((place, it.as_ref()?)));
+    each.any(|(place, it)| names(it) && !facts.iter().any(|fact| *fact as usize == place))
 }
 
 /// Whether `suspect` is blamed for a step, and for nothing else.
