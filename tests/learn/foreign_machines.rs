@@ -143,8 +143,15 @@ impl Judged {
                 self.complain(format!("{name}: {fault}: {blame:?}"), &its);
             }
         }
-        // One that clears was raised, and judged by that.
-        left.retain(|w| w["state"] != "cleared");
+        // One that clears was raised, and judged by that; so was one that changes and suspects whom it did.
+        let goes_on = |w: &Value| {
+            let own = |it: &&Value| {
+                [&it["cylinder"], &it["detector"]] == [&w["cylinder"], &w["detector"]]
+            };
+            let before = warnings.iter().filter(own).take_while(|it| time(it) < time(w)).last();
+            w["state"] == "changed" && before.is_some_and(|it| it["suspect"] == w["suspect"])
+        };
+        left.retain(|w| w["state"] != "cleared" && !goes_on(w));
         if !left.is_empty() {
             self.complain(format!("{name}: warnings that belong to no fault"), &left);
         }

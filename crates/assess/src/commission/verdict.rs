@@ -75,8 +75,8 @@ impl Verdict {
                 (Fitness::Fit, format!("{name} is fit for use: {}", finds(trial)))
             }
             (None, _, trial) => {
-                let what = if taught.told_too_short().is_some() { LONGER } else { PARTLY };
-                advice.push(what.to_owned());
+                let longer = taught.told_too_short().map(|_| LONGER);
+                advice.extend(longer.into_iter().chain([PARTLY]).map(str::to_owned));
                 let finds = trial.map(finds).unwrap_or_default();
                 let sentence = format!(
                     "{name} is fit for use except for cylinder {machine}: \
