@@ -3,6 +3,7 @@
 mod agreement;
 mod allowing;
 mod blanks;
+mod checking;
 mod design;
 mod detectors;
 mod devices;
@@ -17,7 +18,7 @@ mod tally;
 mod telling;
 
 use super::gate::Opening;
-use super::implausible::{Checked, Implausible};
+use super::implausible::Implausible;
 use crate::alarm::Approach;
 use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
@@ -26,13 +27,12 @@ use crate::incident::Quantities;
 use crate::observe::commands::CommandWatch;
 use crate::observe::observer::{Innovation, Measurement, Observer, Restart};
 use crate::process::Process;
-use crate::sample::device::DeviceWord;
 use crate::sample::motion::ReadingMotion;
-use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
+use crate::sample::plausibility::Plausibility;
 use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
 use crate::time::Timestamp;
-use crate::verdict::{Bank, Suspect, Trigger};
+use crate::verdict::{Bank, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
@@ -62,6 +62,8 @@ pub struct Evaluation {
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
     good: Option<Measurement>,
+    /// Whether its reading is not good, or a warning of its plausibility stands.
+    is_odd: bool,
     innovation: Option<Innovation>,
     restart: Option<Restart>,
 }
@@ -225,14 +227,6 @@ impl Cylinder {
     ) -> Evaluated {
         self.pending = false;
         let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
-        let way = if now.gate == Opening::Open { self.way } else { 0.0 };
-        let moment = Moment {
-            live: true,
-            push: Push::of(way, 0.0),
-            way,
-            been: self.last.been(),
-            other: None,
-        };
         let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
         if self.speaks() {
             self.step_devices(now.heard, &readings);
@@ -240,8 +234,8 @@ impl Cylinder {
         for (motion, reading) in self.motions.iter_mut().zip(&readings) {
             motion.follow(reading.as_ref().map(|reading| reading.position));
         }
-        let c1 = self.follow::<0>(&readings, moment, command, now);
-        let c2 = self.follow::<1>(&readings, moment, command, now);
+        let c1 = self.follow::<0>(&readings, command, now);
+        let c2 = self.follow::<1>(&readings, command, now);
         for (transducer, followed) in TRANSDUCERS.into_iter().zip([&c1, &c2]) {
             if let Some(reason) = followed.restart {
                 restarted(transducer, reason);
@@ -263,7 +257,8 @@ impl Cylinder {
             self.judge_process(now, good);
         }
         self.judge_precedence();
-        let finds = self.judge_last(now, &residuals, good, command);
+        let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();
+        let finds = self.judge_last(is_odd, now, &residuals, good, command);
         if self.sensor.is_some() {
             self.estimate(now, good, &residuals);
         }
@@ -286,90 +281,19 @@ impl Cylinder {
     fn follow<const I: usize>(
         &mut self,
         readings: &[Option<Reading>; 2],
-        moment: Moment,
         command: Option<f64>,
         now: Evaluation,
     ) -> Followed {
         if !self.has(TRANSDUCERS[I]) {
             return Followed::default();
         }
-        let other = self.relied_on(1 - I, readings);
-        let moment = Moment { live: now.heard.has(self.design.buses[I]), other, ..moment };
         let reading = readings[I].as_ref();
-        let is_good = self.check(I, reading, moment, now.at);
+        let (is_good, is_odd) = self.check(I, readings, now);
         let good = reading
             .filter(|_| is_good)
             .map(|reading| Measurement { position: reading.position, velocity: reading.velocity });
         let (innovation, restart) = self.observers[I].step(good, command);
-        Followed { good, innovation, restart }
-    }
-
-    /// Reading of a transducer, if it was sound when it was last judged.
-    #[inline(always)]
-    fn relied_on(&self, i: usize, readings: &[Option<Reading>; 2]) -> Option<Other> {
-        let sound = self.plausibility[i].quality().is_good();
-        let reading = readings[i].as_ref().filter(|_| sound)?;
-        Some(Other::new(reading.position, &self.motions[i]))
-    }
-
-    /// Whether the reading of a cycle is good.
-    #[inline(always)]
-    fn check(
-        &mut self,
-        i: usize,
-        reading: Option<&Reading>,
-        moment: Moment,
-        at: Timestamp,
-    ) -> bool {
-        let mut quality = self.plausibility[i].judge(reading, moment);
-        if self.speaks() {
-            quality = self.overrule(i, reading.is_some());
-        }
-        // Nearly always: what is good and stands for nothing changes nothing.
-        if !quality.is_good() || self.implausible[i].raised() {
-            quality = self.judge_implausible(i, reading, quality, at);
-        }
-        quality.is_good()
-    }
-
-    /// Judges what is not good, or was not; returns the quality that it is taken for.
-    #[inline(never)]
-    fn judge_implausible(
-        &mut self,
-        i: usize,
-        reading: Option<&Reading>,
-        mut quality: Quality,
-        at: Timestamp,
-    ) -> Quality {
-        let is_absent = matches!(quality, Quality::Missing | Quality::Stale);
-        let is_heard_of = self.word(i) != DeviceWord::Lost;
-        if is_absent && self.inputs.is_doubted(TRANSDUCERS[i]) {
-            quality = self.plausibility[i].doubt();
-        } else if is_absent && is_heard_of && self.inputs.is_refused(TRANSDUCERS[i]) {
-            quality = self.plausibility[i].spare();
-        }
-        if quality == Quality::Frozen && self.may_be_at_rest(i) {
-            quality = self.plausibility[i].take_for_rest();
-        }
-        let checks = &self.plausibility[i];
-        let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
-        let report = self.report(i);
-        self.implausible[i].judge(at, Checked { quality, beyond, report });
-        self.tally.implausible[i] += u64::from(reading.is_some() && !quality.is_good());
-        quality
-    }
-
-    /// Whether reading `i`, which seems frozen, may be that of a rod at rest: the only witness is the other reading, which
-    /// had parted from it long before it came to stand, and is not known to be right.
-    fn may_be_at_rest(&self, i: usize) -> bool {
-        let parted = self.sequential.as_deref().filter(|it| it.is_displaced());
-        let alarm = parted.and_then(Sequential::alarm);
-        let (reading, own) = (&self.plausibility[i], [Suspect::C1, Suspect::C2][i]);
-        let alarm = alarm.map(|it| (it.suspect, it.stood));
-        let mut apart = [alarm, self.bank.difference()].into_iter().flatten();
-        let before = reading.idle().saturating_add(self.design.observers[i].settle);
-        let is_older = |(suspect, age)| suspect != own && age > before;
-        apart.any(is_older) && !reading.is_driven()
+        Followed { good, is_odd, innovation, restart }
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {

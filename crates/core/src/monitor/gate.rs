@@ -26,10 +26,10 @@ struct Seen {
     at: Timestamp,
     number: i64,
     monitored: bool,
-    stop: Option<i64>,
+    at_stop: bool,
 }
 
-whole! { Seen { at, number, monitored, stop } }
+whole! { Seen { at, number, monitored, at_stop } }
 
 /// Opening of the gate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,18 +51,21 @@ impl Gate {
     /// Takes a platform state from the bus.
     pub fn state(&mut self, at: Timestamp, state: i64) {
         let monitored = self.monitored.as_ref().is_none_or(|states| states.contains(&state));
-        let stop = self.stops.contains(&state).then_some(state);
-        self.state = Some(Seen { at, number: state, monitored, stop });
+        let at_stop = self.stops.contains(&state);
+        self.state = Some(Seen { at, number: state, monitored, at_stop });
     }
 
+    /// Whether it is open at `at`, and whether the rods stand on their stops.
     #[inline]
-    pub fn opening(&self, at: Timestamp) -> Opening {
-        match self.known(at) {
+    pub fn look(&self, at: Timestamp) -> (Opening, bool) {
+        let seen = self.known(at);
+        let opening = match seen {
             _ if self.monitored.is_none() => Opening::Open,
             Some(seen) if seen.monitored => Opening::Open,
             Some(_) => Opening::Closed,
             None => Opening::Unknown,
-        }
+        };
+        (opening, seen.is_some_and(|seen| seen.at_stop))
     }
 
     /// Number of the present state.
@@ -70,16 +73,10 @@ impl Gate {
         Some(self.known(at)?.number)
     }
 
-    /// The present state, if the rods stand on their stops in it.
-    #[inline]
-    pub fn stop(&self, at: Timestamp) -> Option<i64> {
-        self.known(at)?.stop
-    }
-
     /// The state, if it is not too old at `at`.
     #[inline]
-    fn known(&self, at: Timestamp) -> Option<Seen> {
-        self.state.filter(|seen| at.since(seen.at) <= self.timeout)
+    fn known(&self, at: Timestamp) -> Option<&Seen> {
+        self.state.as_ref().filter(|seen| at.since(seen.at) <= self.timeout)
     }
 
     /// Forgets the state, after a jump in time.

@@ -323,13 +323,14 @@ impl Monitor {
     fn evaluate(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let cylinder = &mut self.cylinders[index];
         self.pending -= usize::from(cylinder.pending);
+        let (gate, at_stop) = self.gate.look(at);
         let now = Evaluation {
             at,
             cycle: self.clock.number(),
             opened: self.clock.opened().unwrap_or(at),
             heard: self.heard,
-            gate: self.gate.opening(at),
-            at_stop: self.gate.stop(at).is_some(),
+            gate,
+            at_stop,
         };
         self.opened_once |= now.gate == Opening::Open;
         let number = index as u8 + 1;

@@ -31,7 +31,7 @@ impl Monitor {
     /// Compares the supply's pressure with what all rods have taken.
     #[inline(never)]
     fn watch_supply(&mut self, at: Timestamp) {
-        let is_open = self.gate.opening(at) == Opening::Open;
+        let is_open = self.gate.look(at).0 == Opening::Open;
         let Self { supply: Some(supply), cylinders, .. } = self else { return };
         supply.step(read(cylinders).as_ref(), is_open, at);
         if let Some((alarm, is_judging)) = supply.news() {

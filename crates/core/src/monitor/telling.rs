@@ -100,7 +100,7 @@ impl Monitor {
         }
         let (level, active_warnings) = (self.register.level(), self.register.standing());
         let all_judge = self.cylinders.iter().all(Cylinder::judges);
-        let mode = match (self.gate.opening(at), all_judge) {
+        let mode = match (self.gate.look(at).0, all_judge) {
             (Opening::Closed, _) => Mode::Gated,
             (Opening::Open, true) => Mode::Monitoring,
             // What is known to be wrong from the start on is not waited for.

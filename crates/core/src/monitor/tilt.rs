@@ -23,7 +23,7 @@ impl Monitor {
 
     #[inline(never)]
     fn compare_tilt(&mut self, at: Timestamp) {
-        let is_open = self.gate.opening(at) == Opening::Open;
+        let is_open = self.gate.look(at).0 == Opening::Open;
         let Self { tilt: Some(tilt), cylinders, .. } = self else { return };
         if !is_open {
             // On its stops the deck stands otherwise: what is usual there is another tilt.

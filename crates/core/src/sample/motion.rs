@@ -2,8 +2,8 @@
 
 use crate::state::whole;
 
-/// Least number of steps in one direction for a motion: noise with three values makes two at most.
-const STEPS: u32 = 3;
+/// Steps in one direction for a motion: noise with three values makes two at most.
+const STEPS: usize = 3;
 
 /// Largest ratio of a step to the two before it together, since a rod has a mass.
 const STEEPEST: f64 = 2.0;
@@ -12,30 +12,27 @@ const STEEPEST: f64 = 2.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReadingMotion {
     last: Option<f64>,
-    /// Newest reading, m.
+    /// Newest step, m.
     newest: f64,
     /// Newest steps other than 0, m, newest first.
-    recent: [f64; 3],
-    /// Number of these steps in the same direction.
-    steps: u32,
+    recent: [f64; STEPS],
 }
 
-whole! { ReadingMotion { last, newest, recent, steps } }
+whole! { ReadingMotion { last, newest, recent } }
 
 impl ReadingMotion {
     /// Takes the reading of a cycle, m; `None` where there is none.
+    #[inline(always)]
     pub fn follow(&mut self, position: Option<f64>) {
         let Some(position) = position else {
             *self = Self::default();
             return;
         };
         self.newest = self.last.replace(position).map_or(0.0, |last| position - last);
-        if self.newest == 0.0 {
-            return;
+        if self.newest != 0.0 {
+            let [first, second, _] = self.recent;
+            self.recent = [self.newest, first, second];
         }
-        let [first, second, _] = self.recent;
-        self.steps = if self.newest * first < 0.0 { 1 } else { self.steps.saturating_add(1) };
-        self.recent = [self.newest, first, second];
     }
 
     /// Whether the reading moves, and has moved in this direction for a few steps, the newest of
@@ -44,7 +41,9 @@ impl ReadingMotion {
     pub fn goes_on(&self) -> bool {
         let [newest, first, second] = self.recent;
         let is_leap = newest.abs() > STEEPEST * (first + second).abs();
-        self.newest != 0.0 && self.steps >= STEPS && !is_leap
+        let goes_one_way =
+            self.recent.iter().all(|it| *it > 0.0) || self.recent.iter().all(|it| *it < 0.0);
+        self.newest != 0.0 && goes_one_way && !is_leap
     }
 }
 

@@ -2,6 +2,7 @@
 //! out of range, frozen.
 
 mod drive;
+mod stillness;
 
 use super::device::DeviceWord;
 use super::motion::ReadingMotion;
@@ -10,6 +11,7 @@ use super::reading::Reading;
 use crate::state::{choice, state, whole};
 use alloc::vec::Vec;
 use drive::CommandWay;
+use stillness::Stillness;
 
 /// Limits of plausible readings.
 #[derive(Clone, Debug)]
@@ -33,16 +35,34 @@ pub struct PlausibilityLimits {
     pub driven: f64,
 }
 
+impl PlausibilityLimits {
+    /// The widest range of valid codes without one of a broken wire, inclusive.
+    fn plain_codes(&self) -> (i64, i64) {
+        let (lowest, highest) = self.codes.unwrap_or((i64::MIN, i64::MAX));
+        let mut broken = self.broken_wire_codes.clone();
+        broken.retain(|code| (lowest..=highest).contains(code));
+        broken.sort_unstable();
+        let mut from = lowest;
+        let mut ranges: Vec<(i64, i64)> = Vec::new();
+        for code in broken {
+            ranges.push((from, code.saturating_sub(1)));
+            from = code.saturating_add(1);
+        }
+        ranges.push((from, highest));
+        let width = |range: &(i64, i64)| i128::from(range.1) - i128::from(range.0);
+        let widest = ranges.into_iter().max_by_key(width).unwrap_or((lowest, highest));
+        // At either end of what can be a code there is nothing beyond it.
+        let is_free = !self.broken_wire_codes.iter().any(|it| (widest.0..=widest.1).contains(it));
+        if is_free { widest } else { (i64::MAX, i64::MIN) }
+    }
+}
+
 /// Factor on [`PlausibilityLimits::frozen`] where no other transducer is a witness: friction holds the rod
 /// where a slow stroke turns.
 pub const UNWITNESSED: u32 = 5;
 
 /// Factor on [`PlausibilityLimits::driven`] where the command went one way only, to where the reading has been.
 const ONE_WAY: f64 = 2.0;
-
-/// A change of the other reading by more than this many times [`PlausibilityLimits::travel`] in one cycle is a jump where
-/// it was not in motion.
-const FAR: f64 = 5.0;
 
 /// Most cycles in a row in which a frame came for another cycle and that do not age a reading: after a clock was set, or a bus
 /// stood still, places find their cycle anew within five.
@@ -79,6 +99,7 @@ pub struct Other {
 
 impl Other {
     /// The other transducer at `position`, m, whose `motion` was followed up to it.
+    #[cold]
     pub fn new(position: f64, motion: &ReadingMotion) -> Self {
         Self { position, goes_on: motion.goes_on() }
     }
@@ -101,66 +122,6 @@ pub struct Moment {
     pub other: Option<Other>,
 }
 
-/// An exactly constant reading: since when, and what was seen meanwhile.
-#[derive(Clone, Copy, Debug, Default)]
-struct Stillness {
-    cycles: u32,
-    /// Number of cycles under a command that moves, by its [`Push`].
-    pushed: [u32; 2],
-    /// Reading of the other transducer at the beginning, or where its way began anew, m.
-    beside: Option<f64>,
-    /// Newest reading of the other transducer, m, and cycles without one.
-    seen: Option<f64>,
-    unseen: u32,
-    /// Whether the other transducer has read anything else since.
-    stirred: bool,
-    /// Distance that the other transducer has moved since in a continuous motion, m.
-    travelled: f64,
-}
-
-whole! { Stillness { cycles, pushed, beside, seen, unseen, stirred, travelled } }
-
-impl Stillness {
-    /// The reading has changed, as it nearly always has: begins anew. Unless it stood before, only `beside` is not as in
-    /// the default.
-    #[inline]
-    fn begin(&mut self, other: Option<Other>) {
-        if self.cycles > 0 {
-            *self = Self::default();
-        }
-        self.beside = other.map(|other| other.position);
-    }
-
-    /// Another cycle of it. Where the other transducer was not there for longer than what is frozen takes, or has leapt
-    /// far, its way begins anew: what it reads after a fault may be anywhere.
-    fn go_on(&mut self, push: Option<Push>, other: Option<Other>, limits: &PlausibilityLimits) {
-        self.cycles = self.cycles.saturating_add(1);
-        if let Some(push) = push {
-            let pushed = &mut self.pushed[push as usize];
-            *pushed = pushed.saturating_add(1);
-        }
-        let Some(now) = other else {
-            self.unseen = self.unseen.saturating_add(1);
-            return;
-        };
-        // If it was not there at the beginning, its way begins here.
-        let then = *self.beside.get_or_insert(now.position);
-        self.stirred |= now.position != then;
-        let leap = (now.position - self.seen.unwrap_or(then)).abs();
-        let leaps = !now.goes_on && leap > FAR * limits.travel;
-        let is_elsewhere = self.unseen > limits.frozen || leaps;
-        (self.seen, self.unseen) = (Some(now.position), 0);
-        if is_elsewhere {
-            self.beside = Some(now.position);
-            return;
-        }
-        let travel = (now.position - then).abs();
-        if now.goes_on {
-            self.travelled = self.travelled.max(travel);
-        }
-    }
-}
-
 /// Cycles in a row without a reading.
 #[derive(Clone, Copy, Debug, Default)]
 struct Absence {
@@ -176,10 +137,12 @@ whole! { Absence { missing, spared } }
 #[derive(Clone, Debug)]
 pub struct Plausibility {
     limits: PlausibilityLimits,
-    /// Extremes of [`PlausibilityLimits::broken_wire_codes`]: most readings are outside both.
-    broken_wire: (i64, i64),
+    /// A range of valid codes without one of a broken wire, inclusive: most readings are in it.
+    plain_codes: (i64, i64),
     absence: Absence,
     last: Option<f64>,
+    /// Reading of the other transducer in the cycle of `last`, m.
+    beside: Option<f64>,
     /// Stillness since the reading changed.
     still: Stillness,
     /// Stillness since the reading changed and the command moves.
@@ -189,19 +152,19 @@ pub struct Plausibility {
 }
 
 state! {
-    Plausibility { absence, last, still, held, drive, quality }
-    but { limits, broken_wire }
+    Plausibility { absence, last, beside, still, held, drive, quality }
+    but { limits, plain_codes }
 }
 
 impl Plausibility {
     /// Checks with these `limits`.
     pub fn new(limits: PlausibilityLimits) -> Self {
-        let broken = || limits.broken_wire_codes.iter().copied();
         Self {
-            broken_wire: broken().min().zip(broken().max()).unwrap_or((i64::MAX, i64::MIN)),
+            plain_codes: limits.plain_codes(),
             limits,
             absence: Absence::default(),
             last: None,
+            beside: None,
             still: Stillness::default(),
             held: Stillness::default(),
             drive: CommandWay::default(),
@@ -220,7 +183,35 @@ impl Plausibility {
         (position - highest).max(0.0) + (position - lowest).min(0.0)
     }
 
+    /// [`Self::judge`] for a reading that changes and is within all limits, as nearly every one is: only then it returns
+    /// true, and nothing else is asked. The other transducer reads `beside`, m.
+    #[inline(always)]
+    pub fn is_plain(&mut self, reading: Option<&Reading>, beside: Option<f64>) -> bool {
+        let Some(reading) = reading else { return false };
+        let (lowest_code, highest_code) = self.plain_codes;
+        let (lowest, highest) = self.limits.lengths;
+        let is_plain = self.last != Some(reading.position)
+            && reading.code.is_none_or(|code| (lowest_code..=highest_code).contains(&code))
+            && reading.status.is_none_or(|status| status & self.limits.status_mask == 0)
+            && (lowest..=highest).contains(&reading.position);
+        if is_plain {
+            (self.last, self.beside) = (Some(reading.position), beside);
+            (self.absence, self.quality) = (Absence::default(), Quality::Good);
+            if self.still.cycles > 0 {
+                self.stir();
+            }
+        }
+        is_plain
+    }
+
+    /// Begins anew, since the reading no longer stands.
+    #[inline(never)]
+    fn stir(&mut self) {
+        (self.still, self.held, self.drive) = Default::default();
+    }
+
     /// Judges what arrived in the cycle of `moment`.
+    #[inline(never)]
     pub fn judge(&mut self, reading: Option<&Reading>, moment: Moment) -> Quality {
         self.quality = match reading {
             None => self.without_reading(moment.live),
@@ -250,7 +241,8 @@ impl Plausibility {
 
     /// Forgets how long the reading has stood still, after a jump in time.
     pub fn reset(&mut self) {
-        (self.still, self.held, self.drive) = Default::default();
+        self.stir();
+        self.beside = None;
     }
 
     /// Whether the reading stands while the other one moves: it may be frozen, but not yet for long
@@ -319,23 +311,20 @@ impl Plausibility {
     /// Follows a reading. Once frozen it stays so until it changes, even if the command comes to
     /// rest.
     fn follow(&mut self, position: f64, moment: Moment) {
-        let same = self.last == Some(position);
-        let moving = moment.push.is_some() || self.is_frozen();
+        let changes = self.last != Some(position);
         self.last = Some(position);
-        let follow = |stillness: &mut Stillness, goes_on: bool| {
-            if goes_on {
-                stillness.go_on(moment.push, moment.other, &self.limits);
-            } else {
-                stillness.begin(moment.other);
-            }
-        };
-        follow(&mut self.still, same);
-        follow(&mut self.held, same && moving);
-        if same {
-            self.drive.go_on(position, &moment, self.limits.driven);
-        } else if self.drive.cycles > 0 {
-            self.drive = CommandWay::default();
+        let before = core::mem::replace(&mut self.beside, moment.other.map(|it| it.position));
+        if changes {
+            return self.stir();
         }
+        let moves = moment.push.is_some() || self.is_frozen();
+        self.still.go_on(before, &moment, &self.limits);
+        if moves {
+            self.held.go_on(before, &moment, &self.limits);
+        } else {
+            self.held = Stillness::default();
+        }
+        self.drive.go_on(position, &moment, self.limits.driven);
     }
 
     /// Whether the command moves, the reading does not, and the rod does not stand still. If the
@@ -365,10 +354,7 @@ impl Plausibility {
 
     fn of_new(&self, reading: &Reading) -> Quality {
         let limits = &self.limits;
-        let broken_code = reading.code.is_some_and(|code| {
-            let (lowest, highest) = self.broken_wire;
-            (lowest..=highest).contains(&code) && limits.broken_wire_codes.contains(&code)
-        });
+        let broken_code = reading.code.is_some_and(|code| limits.broken_wire_codes.contains(&code));
         let broken_status = reading.status.is_some_and(|s| s & limits.status_mask != 0);
         let code_in_range = reading
             .code

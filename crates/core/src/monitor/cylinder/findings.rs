@@ -11,13 +11,18 @@ use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 impl Cylinder {
     /// Whether any detector has a finding now.
-    #[inline]
     pub fn finds_anything(&self) -> bool {
-        self.bank.any_found()
-            || self.was_critical
+        self.detects_anything()
             || self.last.any_latched()
             || self.plausibility.iter().any(|it| it.quality() == Quality::Doubtful)
             || self.implausible.iter().any(Implausible::raised)
+    }
+
+    /// Whether any detector beside the plausibility checks and the supervision of the last transducer has a finding now.
+    #[inline(always)]
+    pub(super) fn detects_anything(&self) -> bool {
+        self.bank.any_found()
+            || self.was_critical
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
             || self.process.as_ref().is_some_and(|process| process.alarm().is_some())
     }

@@ -9,6 +9,7 @@
 //! a rod that it drives to its end, makes the observer of a sound C2 disagree, too.
 
 mod displacement;
+mod stop;
 mod usual;
 
 use super::{Cylinder, Evaluation, TRANSDUCERS};
@@ -21,6 +22,7 @@ use crate::state::whole;
 use crate::time;
 use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
+use stop::Rest;
 use usual::{MotionRange, UsualMotion};
 
 /// Names of the two transducers.
@@ -29,18 +31,6 @@ const NAMES: [Suspect; 2] = [Suspect::C1, Suspect::C2];
 /// Detectors of a difference that stands: what they blame is out. An observer alone is not asked, since it is raised for
 /// a second by noise, too.
 const STANDING: [WarningPlace; 2] = [WarningPlace::Fde3, WarningPlace::Sequential];
-
-/// Reading on the mechanical stop.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rest {
-    /// Sum of the readings of this stay, m, and their number.
-    sum: f64,
-    count: u32,
-    /// Mean of the last stay in which nothing was found, m.
-    healthy: Option<f64>,
-}
-
-whole! { Rest { sum, count, healthy } }
 
 /// Supervision of the last transducer of one cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -54,9 +44,11 @@ pub struct LastOne {
     was_apart: bool,
     /// Whether the last one has stepped to where the other one had been displaced to, so that they agree and are both wrong.
     has_joined: bool,
+    /// Whether anything was found in the cycle before, or the rod stood on its stop.
+    is_attended: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference, was_apart, has_joined } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, is_attended } }
 
 impl Default for LastOne {
     fn default() -> Self {
@@ -70,6 +62,7 @@ impl Default for LastOne {
             difference: None,
             was_apart: false,
             has_joined: false,
+            is_attended: false,
         }
     }
 }
@@ -135,9 +128,40 @@ impl LastOne {
 }
 
 impl Cylinder {
-    /// Supervises the last transducer in a cycle, after all detectors have judged it. Returns whether any finds anything.
-    #[inline]
+    /// Supervises the last transducer in a cycle, after all detectors have judged it; `is_odd` if a reading or the command
+    /// is not plausible. Returns whether any finds anything.
+    #[inline(always)]
     pub(super) fn judge_last(
+        &mut self,
+        is_odd: bool,
+        now: Evaluation,
+        residuals: &Residuals,
+        good: [Option<Measurement>; 2],
+        command: Option<f64>,
+    ) -> bool {
+        if is_odd | self.last.is_attended | now.at_stop || self.detects_anything() {
+            return self.attend_last(now, residuals, good, command);
+        }
+        if let Some(reading) = good[0].or(good[1]) {
+            self.follow_usual(reading.position, command, residuals);
+        }
+        self.last.difference = residuals.r[2];
+        false
+    }
+
+    /// Takes a cycle in which nothing was found.
+    #[inline(always)]
+    fn follow_usual(&mut self, length: f64, command: Option<f64>, residuals: &Residuals) {
+        self.last.usual.extend(length, command);
+        if self.last.usual.calm.is_multiple_of(EVERY) {
+            let most = MOST * self.design.bank.observer.high;
+            (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most, EVERY));
+        }
+    }
+
+    /// [`Self::judge_last`] where anything is found, or was in the cycle before, or the rod stands on its stop.
+    #[inline(never)]
+    fn attend_last(
         &mut self,
         now: Evaluation,
         residuals: &Residuals,
@@ -154,22 +178,18 @@ impl Cylinder {
                 self.last.measure(i, residuals.r[i], most, 1);
             }
         } else if let Some(reading) = good[0].or(good[1]) {
-            if self.last.of[0].out | self.last.of[1].out != 0 {
-                self.last.forget();
-            }
-            self.last.usual.extend(reading.position, command);
-            if self.last.usual.calm.is_multiple_of(EVERY) {
-                let most = MOST * self.design.bank.observer.high;
-                (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most, EVERY));
-            }
+            self.last.forget();
+            self.follow_usual(reading.position, command, residuals);
         }
         self.last.difference = residuals.r[2];
         if now.at_stop {
             self.rest_last(good);
-        } else if self.last.rests[0].count | self.last.rests[1].count != 0 {
+        } else {
             self.leave_stop();
         }
-        if finds { self.finds_anything() } else { false }
+        let is_out = self.last.of.iter().any(|it| it.out != 0);
+        self.last.is_attended = finds || is_out || now.at_stop;
+        finds && self.finds_anything()
     }
 
     #[cold]
@@ -321,38 +341,6 @@ impl Cylinder {
             self.last.has_joined || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {
             self.last.release();
-        }
-    }
-
-    /// Takes the readings on the mechanical stop.
-    #[cold]
-    fn rest_last(&mut self, good: [Option<Measurement>; 2]) {
-        for (rest, reading) in self.last.rests.iter_mut().zip(good) {
-            let Some(reading) = reading else { continue };
-            rest.sum += reading.position;
-            rest.count = rest.count.saturating_add(1);
-        }
-        let agrees = |i: usize| {
-            let Rest { sum, count, healthy } = self.last.rests[i];
-            let mean = sum / f64::from(count.max(1));
-            let enough = count >= self.design.observers[i].settle.max(1);
-            enough && healthy.is_some_and(|it| (it - mean).abs() <= self.design.bank.observer.high)
-        };
-        let latched = |i: usize| self.last.is_latched(i);
-        if self.last.any_latched() && (0..2).all(|i| !latched(i) || agrees(i)) {
-            self.last.release();
-        }
-    }
-
-    /// Keeps what was read on the stop that the rod has left, if nothing was found.
-    #[cold]
-    fn leave_stop(&mut self) {
-        let is_healthy = !self.finds_anything();
-        for rest in &mut self.last.rests {
-            if is_healthy && rest.count > 0 {
-                rest.healthy = Some(rest.sum / f64::from(rest.count));
-            }
-            (rest.sum, rest.count) = (0.0, 0);
         }
     }
 

@@ -276,3 +276,48 @@ fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted
     checks.judge(Some(&reading(0.6)), MOVING);
     assert!(!checks.is_driven());
 }
+
+/// All sequences of seven readings out of four kinds, each beside another one or none.
+#[test]
+fn a_plain_reading_is_judged_as_any_other() {
+    let broken = Reading { code: Some(32767), ..reading(0.2) };
+    let kinds = [Some(reading(0.1)), Some(reading(0.2)), Some(broken), None];
+    let mut plain_ones = 0;
+    for sequence in 0..4_usize.pow(7) {
+        let mut fast = Plausibility::new(limits());
+        let mut all = fast.clone();
+        for cycle in 0..7 {
+            let read = kinds[sequence >> (2 * cycle) & 3];
+            let others = [None, Some(1e-3 * f64::from(cycle as u32 / 2))];
+            let moment = Moment {
+                other: others[(sequence + cycle) & 1]
+                    .map(|position| Other { position, goes_on: true }),
+                ..MOVING
+            };
+            let is_plain = fast.is_plain(read.as_ref(), moment.other.map(|it| it.position));
+            if !is_plain {
+                fast.judge(read.as_ref(), moment);
+            }
+            all.judge(read.as_ref(), moment);
+            plain_ones += usize::from(is_plain);
+            assert_eq!(format!("{fast:?}"), format!("{all:?}"), "{sequence:#x} in cycle {cycle}");
+        }
+    }
+    assert!(plain_ones > 4_usize.pow(7));
+}
+
+/// The range need not be all of them, but never has a code that is not plain.
+#[test]
+fn the_widest_range_of_codes_without_a_broken_wire_is_plain() {
+    let plain = |broken: &[i64], codes| {
+        let limits = PlausibilityLimits { broken_wire_codes: broken.to_vec(), codes, ..limits() };
+        limits.plain_codes()
+    };
+    assert_eq!(plain(&[32767], Some((1, 27648))), (1, 27648));
+    assert_eq!(plain(&[], None), (i64::MIN, i64::MAX));
+    assert_eq!(plain(&[500, 0], Some((0, 27648))), (501, 27648));
+    assert_eq!(plain(&[i64::MAX], None), (i64::MIN, i64::MAX - 1));
+    assert_eq!(plain(&[i64::MIN], None), (i64::MIN + 1, i64::MAX));
+    let (lowest, highest) = plain(&[7], Some((7, 7)));
+    assert!(lowest > highest, "there is none");
+}

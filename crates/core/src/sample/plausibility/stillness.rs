@@ -1,0 +1,61 @@
+//! A reading that stands, and what the other one does meanwhile.
+
+use super::{Moment, PlausibilityLimits};
+use crate::state::whole;
+
+/// A change of the other reading by more than this many times [`PlausibilityLimits::travel`] in one cycle is a jump where
+/// it was not in motion.
+const FAR: f64 = 5.0;
+
+/// An exactly constant reading: since when, and what was seen meanwhile.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stillness {
+    pub cycles: u32,
+    /// Number of cycles under a command that moves, by its [`Push`].
+    pub pushed: [u32; 2],
+    /// Reading of the other transducer at the beginning, or where its way began anew, m.
+    beside: Option<f64>,
+    /// Newest reading of the other transducer, m, and cycles without one.
+    seen: Option<f64>,
+    pub unseen: u32,
+    /// Whether the other transducer has read anything else since.
+    pub stirred: bool,
+    /// Distance that the other transducer has moved since in a continuous motion, m.
+    pub travelled: f64,
+}
+
+whole! { Stillness { cycles, pushed, beside, seen, unseen, stirred, travelled } }
+
+impl Stillness {
+    /// Another cycle of it, after one in which the other transducer read `before`, m. Where that one was not there for
+    /// longer than what is frozen takes, or has leapt far, its way begins anew: what it reads after a fault may be anywhere.
+    pub fn go_on(&mut self, before: Option<f64>, moment: &Moment, limits: &PlausibilityLimits) {
+        if self.cycles == 0 {
+            self.beside = before;
+        }
+        self.cycles = self.cycles.saturating_add(1);
+        if let Some(push) = moment.push {
+            let pushed = &mut self.pushed[push as usize];
+            *pushed = pushed.saturating_add(1);
+        }
+        let Some(now) = moment.other else {
+            self.unseen = self.unseen.saturating_add(1);
+            return;
+        };
+        // If it was not there at the beginning, its way begins here.
+        let then = *self.beside.get_or_insert(now.position);
+        self.stirred |= now.position != then;
+        let leap = (now.position - self.seen.unwrap_or(then)).abs();
+        let leaps = !now.goes_on && leap > FAR * limits.travel;
+        let is_elsewhere = self.unseen > limits.frozen || leaps;
+        (self.seen, self.unseen) = (Some(now.position), 0);
+        if is_elsewhere {
+            self.beside = Some(now.position);
+            return;
+        }
+        let travel = (now.position - then).abs();
+        if now.goes_on {
+            self.travelled = self.travelled.max(travel);
+        }
+    }
+}
