@@ -23,18 +23,21 @@ pub fn gateway(machine: Machine) -> Gateway {
     let outbox = Outbox::new(limits);
     let guard = Span::from_seconds(settings.gateway.guard);
     let node = node::design(&machine).and_then(|design| Node::new(&design));
-    let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
+    let own = settings.own_identifiers();
+    let gateway =
+        Gateway::new(Monitor::new(machine.design), outbox, guard).with_own_identifiers(own);
     match node {
         Some(node) => gateway.with_node(node),
         None => gateway,
     }
 }
 
-/// Identifiers that the gateway of a machine receives on `bus`.
+/// Identifiers that the gateway of a machine receives on `bus`: its own among them, which a socket receives of others only.
 pub fn identifiers(machine: &Machine, bus: BusNumber) -> Vec<Id> {
     let settings = &machine.loaded.settings;
     let node = settings.canopen_node().map(|_| Node::inputs(settings.gateway.node));
     let node = node.filter(|_| bus == BusNumber::First);
     let inputs = machine.design.subscriptions.all().iter().filter(|line| line.bus == bus);
-    inputs.map(|line| line.id).chain(node.into_iter().flatten()).collect()
+    let own = settings.own_identifiers().into_iter().filter(|_| bus == BusNumber::First);
+    inputs.map(|line| line.id).chain(node.into_iter().flatten()).chain(own).collect()
 }

@@ -1,13 +1,14 @@
 //! The monitor between the frames that a port receives and those that it sends.
 
 use super::health::BusHealth;
+use super::imitation::ImitationWatch;
 use super::outbox::Outbox;
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::{Port, PortError, Sent};
 use crate::canopen::node::{NmtEvent, Node, NodeView};
 use crate::error_frame::ErrorFrame;
 use crate::estimate::Estimate;
-use crate::frame::{BusNumber, Frame};
+use crate::frame::{BusNumber, Frame, Id};
 use crate::incident::Incident;
 use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::sequential::{Archive, Dwell};
@@ -103,6 +104,7 @@ pub struct Gateway {
     monitor: Monitor,
     /// `None` if the gateway is no CANopen node.
     node: Option<Node>,
+    imitation: ImitationWatch,
     outbox: Outbox,
     health: BusHealth,
     /// Time by which deadlines are kept behind the clock, for frames on their way into the queue.
@@ -113,7 +115,13 @@ pub struct Gateway {
 impl Gateway {
     pub fn new(monitor: Monitor, outbox: Outbox, guard: Span) -> Self {
         let health = BusHealth::default();
-        Self { monitor, node: None, outbox, health, guard, now: Timestamp::default() }
+        let imitation = ImitationWatch::default();
+        Self { monitor, node: None, imitation, outbox, health, guard, now: Timestamp::default() }
+    }
+
+    /// This gateway, which listens for frames of others with its `own` identifiers.
+    pub fn with_own_identifiers(self, own: Vec<Id>) -> Self {
+        Self { imitation: ImitationWatch::new(own), ..self }
     }
 
     /// This gateway as a CANopen node.
@@ -137,6 +145,11 @@ impl Gateway {
 
     pub const fn outbox(&self) -> &Outbox {
         &self.outbox
+    }
+
+    /// Number of frames of others with an identifier of the gateway's own.
+    pub const fn imitated(&self) -> u64 {
+        self.imitation.count()
     }
 
     /// State of the bus, as reported since the port was opened.
@@ -211,7 +224,7 @@ impl Gateway {
         patience: Duration,
         journal: &mut impl Journal,
     ) -> Result<usize, PortError> {
-        let Self { monitor, node, outbox, health, now, guard } = self;
+        let Self { monitor, node, imitation, outbox, health, now, guard } = self;
         let mut outlet = Outlet { outbox, node, journal };
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
@@ -228,6 +241,7 @@ impl Gateway {
             }
             if is_first {
                 outlet.hear(frame, monitor);
+                imitation.take(frame).into_iter().for_each(|it| outlet.notice(&it));
             }
             monitor.take(frame, &mut outlet);
         })?;
@@ -243,6 +257,7 @@ impl Gateway {
             let back = Span::from_nanos(guard.as_nanos().saturating_neg());
             monitor.advance(drained.after(back), &mut outlet);
         }
+        imitation.advance(*now).into_iter().for_each(|it| outlet.notice(&it));
         outlet.beat(*now);
         Ok(received.frames)
     }

@@ -2,6 +2,7 @@
 
 pub mod gateway;
 pub mod health;
+pub mod imitation;
 pub mod listener;
 pub mod outbox;
 pub mod proxy;

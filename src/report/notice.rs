@@ -65,6 +65,14 @@ impl From<&Notice> for NoticeFields {
                     (Doubt::Contradiction, true) => "contradiction_over",
                     (Doubt::TooShort, false) => "too_short",
                     (Doubt::TooShort, true) => "too_short_over",
+                    (Doubt::Uncounted, false) => "uncounted",
+                    (Doubt::Uncounted, true) => "uncounted_over",
+                    (Doubt::Flood, false) => "sync_floods",
+                    (Doubt::Flood, true) => "sync_floods_over",
+                    (Doubt::Absent, false) => "sync_absent",
+                    (Doubt::Absent, true) => "sync_absent_over",
+                    (Doubt::Imitation, false) => "imitation",
+                    (Doubt::Imitation, true) => "imitation_over",
                 };
                 Self { bus: Some(name_of(bus)), message: Some(format!("0x{id}")), ..of(at, what) }
             }

@@ -157,3 +157,103 @@ fn a_step_of_the_other_transducer_is_its_own() {
     let faulty = 3;
     assert_eq!(seen.status().transducers()[..2], [UNKNOWN, faulty], "{:?}", seen.warnings);
 }
+
+/// What the monitor makes of a healthy minute of cycles with these Syncs, µs after each cycle's begin.
+fn synchronised(syncs: impl Fn(i64) -> Vec<i64>) -> (tertius::monitor::Monitor, Collected) {
+    let (mut monitor, mut seen) = (monitor(), Collected::default());
+    let mut frames: Vec<Frame> = Vec::new();
+    for k in 0..1000 {
+        let (sync, others): (Vec<Frame>, Vec<Frame>) =
+            Cycle::new(k).frames().into_iter().partition(|frame| frame.id.value() == SYNC);
+        let at = sync[0].timestamp;
+        frames.extend(others);
+        let later = |later| at.after(Span::from_nanos(1000 * later));
+        let sync = |at| Frame::new(at, sync[0].id, Kind::Data, sync[0].data());
+        frames.extend(syncs(k).into_iter().map(later).map(sync));
+    }
+    frames.sort_by_key(|frame| frame.timestamp);
+    frames.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    (monitor, seen)
+}
+
+const SYNC: u32 = 0x080;
+
+/// Readings open the cycles, each transducer is judged in each of them, and it is told.
+#[test]
+fn a_flood_of_sync_is_told_and_moves_no_cycle() {
+    for (what, extra) in [
+        (
+            "18 in a cycle",
+            &(|_: i64| (1..19).map(|i: i64| 1_050 * i).collect()) as &dyn Fn(i64) -> Vec<i64>,
+        ),
+        ("three in a cycle", &|_| vec![6_700, 13_400]),
+        ("four in a cycle", &|_| vec![5_000, 10_000, 15_000]),
+        ("at random", &|k: i64| (1..6).map(|i: i64| (k * 7_919 + i * 104_729) % 20_000).collect()),
+    ] {
+        let (monitor, seen) = synchronised(|k| {
+            let extra = if (300..700).contains(&k) { extra(k) } else { Vec::new() };
+            [vec![0], extra].concat()
+        });
+        let doubts = told(&seen);
+        assert_eq!(doubts, [(SYNC, Doubt::Flood, false), (SYNC, Doubt::Flood, true)], "{what}");
+        assert!(seen.warnings.is_empty(), "{what}: {:?}", seen.warnings);
+        assert_eq!(seen.status().transducers(), [HEALTHY; 12], "{what}");
+        let counts = monitor.counts();
+        assert!((995..=1005).contains(&counts.cycles), "{what}: {counts:?}");
+        assert!((7..=10).contains(&counts.sync_doubted), "{what}: {counts:?}");
+    }
+}
+
+/// As if none were configured; the readings are what they were.
+#[test]
+fn a_sync_that_no_longer_comes_is_told() {
+    let every = |of: i64| {
+        move |k: i64| if (300..700).contains(&k) && k % of != 0 { vec![] } else { vec![0] }
+    };
+    for (what, syncs) in [
+        ("none", Box::new(every(i64::MAX)) as Box<dyn Fn(i64) -> Vec<i64>>),
+        ("every third", Box::new(every(3))),
+    ] {
+        let (monitor, seen) = synchronised(syncs);
+        assert_eq!(
+            told(&seen),
+            [(SYNC, Doubt::Absent, false), (SYNC, Doubt::Absent, true)],
+            "{what}"
+        );
+        assert!(seen.warnings.is_empty(), "{what}: {:?}", seen.warnings);
+        assert_eq!(seen.status().transducers(), [HEALTHY; 12], "{what}");
+        assert!((995..=1005).contains(&monitor.counts().cycles), "{what}: {:?}", monitor.counts());
+    }
+}
+
+/// A Sync lost now and then, two recorders of one bus, and a computer that stalls are no doubt.
+#[test]
+fn an_odd_sync_now_and_then_is_not_told() {
+    for (what, syncs) in [
+        (
+            "one in ten lost",
+            &(|k: i64| if k % 10 == 3 { vec![] } else { vec![0_i64] }) as &dyn Fn(i64) -> Vec<i64>,
+        ),
+        ("two interfaces", &|_| vec![0, 20]),
+    ] {
+        let (monitor, seen) = synchronised(syncs);
+        assert_eq!(told(&seen), [], "{what}");
+        assert_eq!(monitor.counts().sync_doubted, 0, "{what}");
+    }
+}
+
+/// It is told, and what comes is taken by its time, as without a counter.
+#[test]
+fn a_counter_that_does_not_count_is_told() {
+    let counted = |frame: &Frame, value: i64| vec![copy(frame, 0, |data| data[5] = value as u8)];
+    let (_, seen) = attacked(100..400, |k, frame| counted(frame, (k * k * k * 7_919) >> 7));
+    assert_eq!(told(&seen), [(C1_OF_1, Doubt::Uncounted, false)]);
+    assert_eq!(seen.status().transducers(), [HEALTHY; 12]);
+    assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
+    // One that counts down tells the cycles as well.
+    let (_, seen) = attacked(100..400, |k, frame| counted(frame, -k));
+    assert_eq!(told(&seen), []);
+    // A sender that starts anew counts on.
+    let (_, seen) = attacked(100..400, |k, frame| counted(frame, k - k / 130 * 100));
+    assert_eq!(told(&seen), []);
+}

@@ -10,7 +10,7 @@ use tertius::frame::{Frame, Id, Kind};
 use tertius::incident::Incident;
 use tertius::live::gateway::{Gateway, Journal, NotTold, Silent};
 use tertius::live::outbox::OutboxLimits;
-use tertius::monitor::Record;
+use tertius::monitor::{Notice, Record};
 use tertius::time::{Span, Timestamp};
 pub use tertius_testing::machine::gateway_of;
 use tertius_testing::machine::{self, Collected, Cycle, MS, estimating, monitor, play};
@@ -25,7 +25,7 @@ pub fn bus_traffic() -> Vec<Frame> {
     frames.enumerate().filter(|(i, _)| i % 101 != 0).map(|(_, frame)| frame).collect()
 }
 
-fn gateway() -> Gateway {
+pub fn gateway() -> Gateway {
     gateway_of(monitor(), 0.05)
 }
 
@@ -36,6 +36,7 @@ pub struct Notes {
     pub warnings: Vec<Warning>,
     pub incidents: Vec<Incident>,
     pub commands: Vec<NmtEvent>,
+    pub notices: Vec<Notice>,
 }
 
 impl Journal for Notes {
@@ -53,6 +54,10 @@ impl Journal for Notes {
 
     fn nmt(&mut self, event: &NmtEvent) {
         self.commands.push(*event);
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        self.notices.push(*notice);
     }
 }
 

@@ -7,6 +7,7 @@ mod devices;
 mod embedded_bus;
 mod event_store;
 mod flight_recorder;
+mod imitation;
 mod inject_proxy;
 mod live_gateway;
 mod metrics;

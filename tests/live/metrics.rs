@@ -76,6 +76,8 @@ fn the_figures_are_what_the_monitor_counted() {
         ("frames_repeated", counts.repeated),
         ("frames_contradicting", counts.contradicting),
         ("frames_short", counts.short),
+        ("sync_doubted_seconds", counts.sync_doubted),
+        ("frames_imitated", 0),
         ("frames_held", counts.held),
         ("signals_bad", counts.bad_signals),
         ("frames_backwards", counts.backwards),
@@ -561,6 +563,10 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let contradicting = later(&healthy, alike, "\ntertius_frames_contradicting_total 3\n");
     let cut = "\ntertius_frames_short_total 0\n";
     let short = later(&healthy, cut, "\ntertius_frames_short_total 3\n");
+    let alone = "\ntertius_frames_imitated_total 0\n";
+    let imitated = later(&healthy, alone, "\ntertius_frames_imitated_total 3\n");
+    let usual = "\ntertius_sync_doubted_seconds_total 0\n";
+    let flooded = later(&healthy, usual, "\ntertius_sync_doubted_seconds_total 5\n");
     let opened = "\ntertius_incidents_opened_total{cylinder=\"2\"} 0\n";
     let again = later(&healthy, opened, &opened.replace("} 0", "} 4"));
     let failures = "\ntertius_store_failures_total 0\n";
@@ -573,6 +579,7 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
         "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
         "again": again, "contradicting": contradicting, "short": short,
+        "imitated": imitated, "flooded": flooded,
     });
     let files = ["config/prometheus/tertius.rules.yml", "config/grafana/tertius.json"];
     let told = oracle::run("alerts.py", &files, &cases.to_string());
@@ -585,6 +592,8 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "HistoryLost",
         "FramesLost",
         "FramesContradict",
+        "OwnFramesImitated",
+        "SyncDoubtful",
         "EventsNotKept",
         "IncidentsNotRecorded",
     ];
@@ -594,6 +603,7 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
         "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
         "dropping": ["FramesLost"], "contradicting": ["FramesContradict"], "short": ["FramesContradict"],
+        "imitated": ["OwnFramesImitated"], "flooded": ["SyncDoubtful"],
         "again": ["IncidentsAgainAndAgain"],
     });
     assert_eq!(told["firing"], expected);

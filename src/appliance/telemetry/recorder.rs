@@ -26,6 +26,8 @@ pub struct Recorder {
     clock: Arc<dyn Clock>,
     port: PortCounts,
     outbox: OutboxCounts,
+    /// Frames of others with an own identifier that were counted.
+    imitated: u64,
     monitor: Counts,
     /// Whether a port was lost and none has been opened since.
     is_lost: bool,
@@ -45,6 +47,7 @@ impl Recorder {
             clock,
             port: PortCounts::default(),
             outbox: OutboxCounts::default(),
+            imitated: 0,
             monitor: Counts::default(),
             is_lost: false,
             status_at: None,
@@ -209,6 +212,7 @@ impl Recorder {
         telemetry.shared.clear();
         telemetry.open.store(false, Ordering::Relaxed);
         (self.outbox, self.monitor) = (OutboxCounts::default(), Counts::default());
+        self.imitated = 0;
         self.status_at = None;
         self.warned = [None; ON_THEIR_WAY];
     }
@@ -222,6 +226,8 @@ impl Recorder {
         let outbox = *gateway.outbox().counts();
         self.telemetry.totals.outbox(&self.outbox, &outbox);
         self.outbox = outbox;
+        self.telemetry.totals.imitated.follow(self.imitated, gateway.imitated());
+        self.imitated = gateway.imitated();
         self.count(gateway.monitor(), port.counts());
     }
 

@@ -29,6 +29,9 @@ pub(super) struct Totals {
     pub repeated: Total,
     pub contradicting: Total,
     pub short: Total,
+    pub sync_doubted: Total,
+    /// Frames of others with an own identifier, counted by the gateway.
+    pub imitated: Total,
     pub held: Total,
     pub bad_signals: Total,
     pub backwards: Total,
@@ -86,6 +89,7 @@ impl Totals {
         self.repeated.follow(last.repeated, now.repeated);
         self.contradicting.follow(last.contradicting, now.contradicting);
         self.short.follow(last.short, now.short);
+        self.sync_doubted.follow(last.sync_doubted, now.sync_doubted);
         self.held.follow(last.held, now.held);
         self.bad_signals.follow(last.bad_signals, now.bad_signals);
         self.backwards.follow(last.backwards, now.backwards);
@@ -98,7 +102,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 39] {
+    pub fn described(&self) -> [Described<'_>; 41] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -121,6 +125,8 @@ impl Totals {
             ("frames_repeated", "Frames that came twice.", &self.repeated),
             ("frames_contradicting", "Frames with the count of another one and another payload.", &self.contradicting),
             ("frames_short", "Frames that are too short for what is configured of them.", &self.short),
+            ("sync_doubted_seconds", "Seconds in which Sync flooded, or did not come.", &self.sync_doubted),
+            ("frames_imitated", "Frames of other devices with an identifier of the gateway's own.", &self.imitated),
             ("frames_held", "Frames that came before their cycle opened, and were kept for it.", &self.held),
             ("signals_bad", "Signals for which the frame was too short, or that are not a finite \
                 number.", &self.bad_signals),

@@ -14,7 +14,12 @@ use crate::time::Timestamp;
 impl Monitor {
     /// Takes a Sync with the time stamp `stamp`.
     pub(super) fn synchronise(&mut self, stamp: Timestamp, now: Timestamp, sink: &mut impl Sink) {
-        if self.clock.confirms(stamp) {
+        if !self.sync_watch.take(self.clock.number(), self.counts.used) {
+            // Nobody can tell which of them is the machine's: readings open the cycles meanwhile.
+            self.drop_set_aside();
+            self.counts.repeated += 1;
+            self.clock.lose_sync();
+        } else if self.clock.confirms(stamp) {
             self.reckon_due();
         } else if self.clock.has_had_sync(stamp) {
             self.drop_set_aside();

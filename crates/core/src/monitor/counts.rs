@@ -26,6 +26,8 @@ pub struct Counts {
     pub contradicting: u64,
     /// Frames that are too short for what is configured of them.
     pub short: u64,
+    /// Seconds in which Sync flooded, or did not come.
+    pub sync_doubted: u64,
     /// Frames that came before their cycle opened, and were kept for it.
     pub held: u64,
     /// Signals for which the frame was too short, or whose value is not a finite number.
@@ -40,7 +42,7 @@ pub struct Counts {
 
 whole! {
     Counts {
-        used, ignored, errors, cycles, incomplete, missing, late, repeated, contradicting, short, held, bad_signals, backwards, time_jumps,
-        interruptions,
+        used, ignored, errors, cycles, incomplete, missing, late, repeated, contradicting, short, sync_doubted, held,
+        bad_signals, backwards, time_jumps, interruptions,
     }
 }

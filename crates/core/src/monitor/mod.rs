@@ -35,6 +35,7 @@ use crate::hexapod::{Tilt, TiltDesign};
 use crate::incident::Incidents;
 use crate::process::{SupplyDesign, SupplyWatch};
 use crate::sample::cycle::{CycleClock, CycleTiming, Due, Opener};
+use crate::sample::sync_watch::SyncWatch;
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::{boxed::Box, vec::Vec};
@@ -90,6 +91,8 @@ pub struct Monitor {
     /// `None` without a table of the supply.
     supply: Option<Box<SupplyWatch>>,
     clock: CycleClock,
+    /// Unused on a machine without Sync.
+    sync_watch: SyncWatch,
     gap_cycles: u64,
     gate: Gate,
     cylinders: Vec<Cylinder>,
@@ -136,6 +139,7 @@ impl Monitor {
             subscriptions: design.subscriptions,
             keeps: false,
             clock: CycleClock::new(design.timing),
+            sync_watch: SyncWatch::default(),
             gap_cycles: design.gap_cycles,
             gate: design.gate,
             register: Register::new(cylinders.len()),

@@ -129,6 +129,7 @@ impl Monitor {
         self.counts.incomplete += u64::from(owing);
         self.drop_set_aside();
         self.clock.reset();
+        self.sync_watch.reset();
         self.forget_arrivals();
         self.pending = 0;
         self.gate.reset();

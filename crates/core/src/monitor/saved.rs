@@ -28,7 +28,7 @@ use thiserror::Error;
 
 state! {
     Monitor {
-        keeps, clock, gate, sampling, pending, incomplete, missing_run, heard, monitored_once, opened_once, register,
+        keeps, clock, sync_watch, gate, sampling, pending, incomplete, missing_run, heard, monitored_once, opened_once, register,
         incidents, encoder, counts, last, next_status, last_status, next_due,
     }
     parts { stations, cylinders, silence, tilt, supply }

@@ -2,6 +2,7 @@
 
 use super::cylinder::{Cylinder, Evaluation};
 use super::gate::Opening;
+use super::sink::Notice;
 use super::{Monitor, Sink};
 use crate::alarm::own::Sending;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
@@ -26,6 +27,18 @@ impl Monitor {
         self.last_status = Some((at, status));
         sink.transmit(&self.encoder.status(at, &status));
         self.next_status = self.next_status.after(STATUS_PERIOD);
+        self.judge_sync(at, sink);
+    }
+
+    /// Tells where Sync floods, or does not come.
+    fn judge_sync(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let mut messages = self.subscriptions.all().iter().zip(&self.stations);
+        let Some((sync, _)) = messages.find(|(_, station)| station.is_sync()) else { return };
+        let (cycle, cycles) = (self.clock.number(), self.counts.cycles);
+        for (doubt, is_over) in self.sync_watch.judge(at, cycle, cycles).into_iter().flatten() {
+            sink.notice(&Notice::Doubt { at, id: sync.id, bus: sync.bus, doubt, is_over });
+        }
+        self.counts.sync_doubted = self.sync_watch.doubted();
     }
 
     /// Passes on what there is to tell of the cylinder of `index` in a cycle.

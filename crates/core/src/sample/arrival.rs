@@ -174,6 +174,10 @@ impl Slot {
             Fate::Jumped => self.dispute.note_strange(when.cycle, self.has(when.cycle)),
             _ => {}
         }
+        let is_taken = matches!(fate, Fate::Taken | Fate::Replaces);
+        if is_taken && self.counter.as_ref().zip(counter).is_some_and(|(it, _)| !it.is_believed()) {
+            self.dispute.note_uncounted(when.cycle);
+        }
         fate
     }
 

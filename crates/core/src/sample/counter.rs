@@ -86,6 +86,11 @@ impl AliveCounter {
         }
     }
 
+    /// Whether it tells the cycle of a frame.
+    pub const fn is_believed(&self) -> bool {
+        self.believed
+    }
+
     /// Number of counts that fitted no cycle.
     pub const fn jumps(&self) -> u64 {
         self.jumps

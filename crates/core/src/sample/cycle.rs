@@ -263,6 +263,11 @@ impl CycleClock {
         self.timing.synchronised && self.without_sync < ABSENT
     }
 
+    /// Takes that no Sync can be relied on: readings open cycles until one comes that can.
+    pub const fn lose_sync(&mut self) {
+        self.without_sync = ABSENT;
+    }
+
     /// Notes that a time stamp is before that of the frame before it: the clock was set back by that and the time between
     /// the two, or the frames are out of order.
     pub const fn step_back(&mut self) {

@@ -13,6 +13,9 @@ const DOUBTED: u64 = 50;
 /// sender that starts anew sends one or two.
 const STRANGE: u32 = 3;
 
+/// Frames in a row whose counter is not believed: after a sender has started anew it is believed again within 16.
+const UNCOUNTED: u32 = 50;
+
 /// Why the frames of a message are in doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {
@@ -20,13 +23,31 @@ pub enum Doubt {
     Contradiction,
     /// They are too short for the signals that are configured.
     TooShort,
+    /// Their alive counter does not count them, so that it proves nothing.
+    Uncounted,
+    /// Sync comes more often than cycles can open.
+    Flood,
+    /// Sync comes for fewer than half of the cycles, which readings open instead.
+    Absent,
+    /// Another device sends them with an identifier of the gateway's own.
+    Imitation,
 }
 
-choice! { Doubt { Contradiction, TooShort } }
+choice! { Doubt { Contradiction, TooShort, Uncounted, Flood, Absent, Imitation } }
 
 impl Doubt {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 2] = [Self::Contradiction, Self::TooShort];
+    pub const ALL: [Self; 6] = [
+        Self::Contradiction,
+        Self::TooShort,
+        Self::Uncounted,
+        Self::Flood,
+        Self::Absent,
+        Self::Imitation,
+    ];
+
+    /// Those of a message that carries readings.
+    const OF_READINGS: [Self; 3] = [Self::Contradiction, Self::TooShort, Self::Uncounted];
 }
 
 /// Whether the frames of a place are in doubt.
@@ -34,28 +55,33 @@ impl Doubt {
 pub struct Dispute {
     /// First cycle that is to be treated as usual.
     usual_from: u64,
-    /// First cycle that is not in doubt, for each [`Doubt`].
-    until: [u64; 2],
+    /// First cycle that is not in doubt, for each of [`Doubt::OF_READINGS`].
+    until: [u64; 3],
     /// Whether it was told.
-    told: [bool; 2],
+    told: [bool; 3],
     /// Cycle of the newest frame whose counter fitted nothing.
     strange_in: u64,
     /// Number of such frames beside frames that fitted, and cycle of the newest.
     strange: u32,
     beside_in: u64,
+    /// Frames in a row that were taken although their counter is not believed, and cycle of the newest.
+    uncounted: u32,
+    uncounted_in: u64,
 }
 
-whole! { Dispute { usual_from, until, told, strange_in, strange, beside_in } }
+whole! { Dispute { usual_from, until, told, strange_in, strange, beside_in, uncounted, uncounted_in } }
 
 impl Dispute {
     /// Nothing was ever in doubt.
     pub const NONE: Self = Self {
         usual_from: 0,
-        until: [0; 2],
-        told: [false; 2],
+        until: [0; 3],
+        told: [false; 3],
         strange_in: 0,
         strange: 0,
         beside_in: 0,
+        uncounted: 0,
+        uncounted_in: 0,
     };
 
     /// Whether `cycle` has to be looked at more closely than most.
@@ -93,6 +119,17 @@ impl Dispute {
         }
     }
 
+    /// Takes that a frame was taken in `cycle` although its counter is not believed.
+    #[cold]
+    pub fn note_uncounted(&mut self, cycle: u64) {
+        let goes_on = cycle.saturating_sub(self.uncounted_in) <= STRANGE.into();
+        self.uncounted = if goes_on { self.uncounted.saturating_add(1) } else { 1 };
+        self.uncounted_in = cycle;
+        if self.uncounted >= UNCOUNTED {
+            self.doubt(Doubt::Uncounted, cycle);
+        }
+    }
+
     fn note_beside(&mut self, cycle: u64) {
         let is_near = cycle.saturating_sub(self.beside_in) < DOUBTED;
         self.strange = if is_near { self.strange.saturating_add(1) } else { 1 };
@@ -104,7 +141,7 @@ impl Dispute {
 
     /// What changed by `cycle` and was not told yet: a doubt, and whether it is over.
     pub fn take_news(&mut self, cycle: u64) -> Option<(Doubt, bool)> {
-        Doubt::ALL.into_iter().find_map(|doubt| {
+        Doubt::OF_READINGS.into_iter().find_map(|doubt| {
             let i = doubt as usize;
             let is_doubted = cycle < self.until[i];
             let is_news = is_doubted != self.told[i];
@@ -136,6 +173,22 @@ mod tests {
         dispute.doubt(Doubt::TooShort, 80);
         assert!(dispute.is_open(80) && !dispute.is_unknown(80), "whole frames are what they are");
         assert_eq!(dispute.take_news(80), Some((Doubt::TooShort, false)));
+    }
+
+    #[test]
+    fn a_counter_that_is_not_believed_for_a_second_is_told() {
+        let mut dispute = Dispute::NONE;
+        (100..149).for_each(|cycle| dispute.note_uncounted(cycle));
+        assert!(dispute.take_news(148).is_none());
+        dispute.note_uncounted(149);
+        assert_eq!(dispute.take_news(149), Some((Doubt::Uncounted, false)));
+        assert!(!dispute.is_unknown(149), "its time says of which cycle it is");
+        // A sender that starts anew now and then.
+        let mut dispute = Dispute::NONE;
+        for cycle in (0..10_000).filter(|cycle| cycle % 100 < 16) {
+            dispute.note_uncounted(cycle);
+            assert!(dispute.take_news(cycle).is_none(), "{cycle}");
+        }
     }
 
     #[test]

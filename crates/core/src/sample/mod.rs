@@ -12,6 +12,7 @@ pub mod phase;
 pub mod plausibility;
 pub mod quality;
 pub mod reading;
+pub mod sync_watch;
 mod when;
 
 pub use device::{DeviceReason, DeviceReport, DeviceRole};

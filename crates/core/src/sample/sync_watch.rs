@@ -1,0 +1,191 @@
+//! Whether Sync comes as often as the machine has cycles.
+//!
+//! A Sync opens a cycle, so that whoever sends too many of them moves the cycles away from the readings. Where it floods,
+//! readings open the cycles, as they do where it does not come.
+
+use super::dispute::Doubt;
+use crate::state::whole;
+use crate::time::{Span, Timestamp};
+
+/// Syncs in one cycle that follow another one, with no other frame in between, and are no accident: a bus that is recorded
+/// on two interfaces has one. A computer that stalls receives many at once, but the other frames of their cycles, too.
+const FOLLOWING: u32 = 1;
+
+/// Syncs beyond those, within [`REMEMBERED`] cycles of each other, that are a flood.
+const FLOOD: u32 = 2;
+
+/// Cycles for which Syncs are not believed after the last one too many.
+const REMEMBERED: u64 = 50;
+
+/// Time over which the cycles that had a Sync are counted.
+const WINDOW: Span = Span::from_nanos(1_000_000_000);
+
+/// The cycles of a time, and those of them that had a Sync.
+#[derive(Clone, Copy, Debug)]
+struct SyncWindow {
+    begun: Timestamp,
+    /// Number of cycles that had opened when it began.
+    cycles: u64,
+    had: u64,
+}
+
+whole! { SyncWindow { begun, cycles, had } }
+
+/// Follows how often Sync comes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SyncWatch {
+    /// Cycle of the newest Sync, and number of frames that were used up to it.
+    cycle: u64,
+    used: u64,
+    /// Syncs of that cycle that followed another one.
+    following: u32,
+    /// Syncs too many lately, and the first cycle in which they are forgotten.
+    extra: u32,
+    forgotten_from: u64,
+    window: Option<SyncWindow>,
+    /// What was told last.
+    told: Option<Doubt>,
+    /// Windows in which Sync was in doubt.
+    doubted: u64,
+}
+
+whole! { SyncWatch { cycle, used, following, extra, forgotten_from, window, told, doubted } }
+
+impl SyncWatch {
+    /// Takes a Sync in `cycle`, which is the frame of the number `used` of all that are used. Returns whether it may open
+    /// a cycle.
+    pub fn take(&mut self, cycle: u64, used: u64) -> bool {
+        if cycle >= self.forgotten_from {
+            self.extra = 0;
+        }
+        if cycle != self.cycle {
+            self.following = 0;
+            self.window.iter_mut().for_each(|it| it.had += 1);
+        }
+        let follows = used == self.used.saturating_add(1);
+        (self.cycle, self.used) = (cycle, used);
+        self.following += u32::from(follows);
+        if follows && self.following > FOLLOWING {
+            self.extra = self.extra.saturating_add(1);
+            self.forgotten_from = cycle.saturating_add(REMEMBERED);
+        }
+        self.extra < FLOOD
+    }
+
+    /// Judges at `at`, in `cycle`, up to which as many as `cycles` have opened. Returns what is over, and what begins.
+    pub fn judge(&mut self, at: Timestamp, cycle: u64, cycles: u64) -> [Option<(Doubt, bool)>; 2] {
+        let fresh = SyncWindow { begun: at, cycles, had: 0 };
+        let SyncWindow { begun, cycles: before, had } = *self.window.get_or_insert(fresh);
+        let (is_over, opened) = (at.since(begun) >= WINDOW, cycles.saturating_sub(before));
+        let floods = self.extra >= FLOOD && cycle < self.forgotten_from;
+        let state = match self.told {
+            _ if floods => Some(Doubt::Flood),
+            Some(Doubt::Flood) => None,
+            // A machine that is off has neither cycles nor Syncs.
+            told if !is_over || opened == 0 => told,
+            _ => (2 * had < opened).then_some(Doubt::Absent),
+        };
+        if is_over {
+            self.window = Some(fresh);
+            self.doubted += u64::from(state.is_some());
+        }
+        let before = core::mem::replace(&mut self.told, state);
+        if before == state {
+            return [None; 2];
+        }
+        [before.map(|doubt| (doubt, true)), state.map(|doubt| (doubt, false))]
+    }
+
+    /// Number of seconds in which Sync was in doubt.
+    pub const fn doubted(&self) -> u64 {
+        self.doubted
+    }
+
+    /// Forgets when what came, after a jump in time.
+    pub const fn reset(&mut self) {
+        (self.window, self.extra, self.following) = (None, 0, 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BEGINS: bool = false;
+    const IS_OVER: bool = true;
+
+    /// Seconds of cycles with so many Syncs each behind the other frames.
+    struct Bus {
+        watch: SyncWatch,
+        cycle: u64,
+        used: u64,
+    }
+
+    impl Bus {
+        const NEW: fn() -> Self = || Self { watch: SyncWatch::default(), cycle: 1, used: 0 };
+
+        /// A second; returns what was told in it.
+        fn second(&mut self, syncs: impl Fn(u64) -> u32) -> Vec<(Doubt, bool)> {
+            let mut told = Vec::new();
+            for _ in 0..50 {
+                self.used += 21;
+                for _ in 0..syncs(self.cycle) {
+                    self.used += 1;
+                    self.watch.take(self.cycle, self.used);
+                }
+                self.cycle += 1;
+                if self.cycle.is_multiple_of(5) {
+                    let at = Timestamp::from_nanos(self.cycle as i64 * 20_000_000);
+                    told.extend(self.watch.judge(at, self.cycle, self.cycle).into_iter().flatten());
+                }
+            }
+            told
+        }
+    }
+
+    #[test]
+    fn a_flood_is_told_at_once_and_is_over_a_second_after_its_end() {
+        let mut bus = Bus::NEW();
+        assert_eq!(bus.second(|_| 1), []);
+        assert_eq!(bus.second(|_| 2), [], "recorded on two interfaces");
+        assert_eq!(bus.second(|cycle| 1 + 18 * u32::from(cycle == 103)), [(Doubt::Flood, BEGINS)]);
+        assert!(!bus.watch.take(151, bus.used), "none is believed");
+        assert_eq!(bus.second(|_| 1), [(Doubt::Flood, IS_OVER)]);
+        assert!(bus.watch.take(201, bus.used));
+    }
+
+    #[test]
+    fn three_in_each_cycle_are_a_flood_and_three_in_one_are_not() {
+        let mut bus = Bus::NEW();
+        assert_eq!(bus.second(|cycle| 1 + 2 * u32::from(cycle == 25)), []);
+        assert_eq!(bus.second(|_| 3), [(Doubt::Flood, BEGINS)]);
+    }
+
+    /// Those of half a second at once, each with the other frames of its cycle.
+    #[test]
+    fn a_computer_that_stalled_is_no_flood() {
+        let mut bus = Bus::NEW();
+        bus.second(|_| 1);
+        for _ in 0..25 {
+            bus.used += 22;
+            assert!(bus.watch.take(51, bus.used));
+        }
+        assert_eq!(bus.second(|_| 1), []);
+    }
+
+    #[test]
+    fn cycles_without_sync_are_told_once_and_a_machine_that_is_off_is_not() {
+        let mut bus = Bus::NEW();
+        bus.second(|_| 1);
+        let told: Vec<_> = (0..9).flat_map(|_| bus.second(|_| 0)).collect();
+        assert_eq!(told, [(Doubt::Absent, BEGINS)]);
+        assert_eq!(bus.watch.doubted(), 8);
+        let told: Vec<_> = (0..2).flat_map(|_| bus.second(|_| 1)).collect();
+        assert_eq!(told, [(Doubt::Absent, IS_OVER)]);
+        // No cycle opens.
+        for i in 0..100 {
+            let at = Timestamp::from_nanos(13_000_000_000 + i * 100_000_000);
+            assert_eq!(bus.watch.judge(at, 601 + i as u64, bus.cycle), [None; 2]);
+        }
+    }
+}
