@@ -43,7 +43,7 @@ pub use verdict::Blanks;
 pub use zone::Zone;
 
 use crate::bus::Statistics;
-use crate::config::Fingerprints;
+use crate::config::{Fingerprints, MachineNames};
 use crate::monitor::{Counts, cylinder::Tally};
 use serde::Serialize;
 
@@ -57,6 +57,8 @@ pub struct Summary<'a> {
     pub recorded: f64,
     /// Sample time, s.
     pub sample_time: f64,
+    /// How cylinders and transducers are called.
+    pub names: &'a MachineNames,
     /// What it was judged by.
     pub fingerprints: &'a Fingerprints,
     /// Whether the machine has a model of its own; otherwise R1 and R2 are those of the thesis's.
