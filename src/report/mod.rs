@@ -30,7 +30,7 @@ pub mod verdict;
 mod wording;
 pub mod zone;
 
-pub(crate) use wording::{bad_lines, counted, times};
+pub(crate) use wording::{bad_lines, capitalised, counted, times};
 
 pub use episode::{Episode, Episodes};
 pub use estimates::{EstimateRow, EstimateTable};
