@@ -172,6 +172,7 @@ fn keeping(path: &Path, loaded: &Loaded, design: &MonitorDesign) -> Keeping {
             size: 64_000_000,
             days: 100,
             machine,
+            names: settings.names(),
             configuration: String::new(),
             sample_time: settings.machine.sample_time,
         }),

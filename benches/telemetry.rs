@@ -103,6 +103,7 @@ fn plan() -> FlightPlan {
         after: Span::from_seconds(30.0),
         size: 1,
         machine: String::new(),
+        names: loaded.settings.names(),
         fingerprints: loaded.fingerprints(),
         interfaces: vec!["can0".to_owned()],
         files: Vec::new(),

@@ -14,6 +14,7 @@ use tertius::appliance::store::{
 };
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
+use tertius::config::MachineNames;
 use tertius::incident::{Ending, Excursion, Incident, Outset, Part, Progress, Scope};
 use tertius::monitor::Record;
 use tertius::sample::Quality;
@@ -173,6 +174,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         size: megabytes * 1_000_000,
         days: 36_500,
         machine: "a machine".to_owned(),
+        names: MachineNames::default(),
         configuration: "0123456789abcdef".to_owned(),
         sample_time: 0.02,
     };

@@ -12,7 +12,9 @@ pub use machine::{in_common, numbers, of_machine};
 
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
+use crate::config::MachineNames;
 use crate::incident::{Ending, Incident, Naming, Quantity, Scope};
+use crate::sample::Transducer;
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
@@ -106,11 +108,26 @@ const fn fault(fault: Fault) -> &'static str {
     }
 }
 
-/// Whom an incident is about, in a sentence: `C1`, `neither transducer`; about a cylinder that may have C1 alone.
-pub const fn whom(whom: Suspect, is_alone: bool) -> &'static str {
-    match whom {
-        Suspect::Process if !is_alone => "neither transducer",
-        other => suspect_of(other, is_alone),
+/// Whom an incident of the cylinder `number` is about, in a sentence: `C1`, `C1 (LT-101A)`, `neither transducer`; about
+/// a cylinder that may have C1 alone.
+pub fn whom(names: &MachineNames, number: usize, whom: Suspect, is_alone: bool) -> String {
+    let [c1, c2] = [Transducer::C1, Transducer::C2].map(|it| names.transducer(number, it));
+    match (whom, is_alone) {
+        (Suspect::C1, _) => c1,
+        (Suspect::C2, _) => c2,
+        (Suspect::Undecided, true) => format!("{c1} or the cylinder"),
+        (Suspect::Undecided, false) => format!("{c1} or {c2}"),
+        (Suspect::Process, true) => format!("not {c1}"),
+        (Suspect::Process, false) => "neither transducer".to_owned(),
+    }
+}
+
+/// The transducer that a suspect is, if it is one.
+pub const fn transducer(suspect: Suspect) -> Option<Transducer> {
+    match suspect {
+        Suspect::C1 => Some(Transducer::C1),
+        Suspect::C2 => Some(Transducer::C2),
+        Suspect::Undecided | Suspect::Process => None,
     }
 }
 
@@ -147,21 +164,27 @@ pub fn largest(which: Quantity, peak: f64, limit: f64) -> String {
 
 /// The incident in a line, without its time: `cylinder 5, C1, black: growing error, C1 − C2 up to 65.8 mm (limit 50.0
 /// mm)`, `machine (cylinders 1 to 6), black: no messages in time`.
-pub fn line(incident: &Incident) -> String {
+pub fn line(incident: &Incident, names: &MachineNames) -> String {
     let Incident { scope, suspect, level, begin, named, .. } = *incident;
     let worst = incident
         .worst()
         .map(|(quantity, peak)| largest(quantity, peak.value, incident.limits[quantity as usize]));
     let of = match scope {
-        Scope::Cylinder(number) => of_cylinder(number.into(), whom(suspect, incident.is_alone())),
+        Scope::Cylinder(number) => {
+            of_cylinder(names, number.into(), (suspect, incident.is_alone()))
+        }
         Scope::Machine(cylinders) => of_machine(cylinders),
     };
     line_of((of, level), naming(begin, named), &kind(incident), worst)
 }
 
-/// Which cylinder an incident is of, and whom it is about: `cylinder 5, C1`.
-pub fn of_cylinder(number: usize, whom: &str) -> String {
-    format!("cylinder {number}, {whom}")
+/// Which cylinder an incident is of, and whom it is about: `cylinder 5, C1`, `cylinder 5 (AftPort), C1 (LT-105A)`.
+pub fn of_cylinder(
+    names: &MachineNames,
+    number: usize,
+    (suspect, is_alone): (Suspect, bool),
+) -> String {
+    format!("{}, {}", names.cylinder(number), whom(names, number, suspect, is_alone))
 }
 
 /// The line of an incident: what it is of and its level, when its suspect was named, what is wrong, and how bad it got.
@@ -177,8 +200,11 @@ pub fn line_of(
 }
 
 /// What a person should do.
-pub fn advice(incident: &Incident) -> String {
-    let whom = suspect(incident.suspect);
+pub fn advice(incident: &Incident, names: &MachineNames) -> String {
+    let whom = match (incident.scope.cylinder(), transducer(incident.suspect)) {
+        (Some(number), Some(it)) => names.transducer(number, it),
+        _ => suspect(incident.suspect).to_owned(),
+    };
     if incident.scope.cylinder().is_none() && incident.fault != Fault::Supply {
         return machine::ADVICE.to_owned();
     }

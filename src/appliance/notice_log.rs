@@ -1,5 +1,6 @@
 //! Notices as lines of the log.
 
+use crate::config::MachineNames;
 use crate::monitor::Notice;
 use crate::report::jsonl::restart_name;
 use crate::sample::device::{DeviceNews, DeviceState};
@@ -8,7 +9,7 @@ use crate::story;
 use tracing::{info, warn};
 
 /// Writes what is no warning, but has to be known, into the log.
-pub(super) fn write(notice: &Notice) {
+pub(super) fn write(notice: &Notice, names: &MachineNames) {
     match *notice {
         Notice::Gap { length, .. } => {
             info!(seconds = length.as_seconds(), "cycles again after none");
@@ -32,7 +33,8 @@ pub(super) fn write(notice: &Notice) {
         }
         Notice::Restart { cylinder, detector, reason, .. } => {
             let (detector, reason) = (detector.name(), restart_name(reason));
-            info!(cylinder, detector, reason, "observer restarts");
+            let name = names.of_cylinder(cylinder);
+            info!(cylinder, name, detector, reason, "observer restarts");
         }
         Notice::Timing { apart: Some(Apart { mean, spread, .. }), .. } => {
             warn!(skew = mean, jitter = spread, "C1 and C2 are not sampled together");
@@ -42,12 +44,12 @@ pub(super) fn write(notice: &Notice) {
         }
         Notice::Device { cylinder, role, node, news, .. } => {
             let what = story::news(news);
-            let device = role.name();
+            let (device, name) = (role.name(), names.of_cylinder(cylinder));
             match news {
                 DeviceNews::State(DeviceState::Operational) => {
-                    info!(cylinder, device, node, "the device {what}");
+                    info!(cylinder, name, device, node, "the device {what}");
                 }
-                _ => warn!(cylinder, device, node, "the device {what}"),
+                _ => warn!(cylinder, name, device, node, "the device {what}"),
             }
         }
     }

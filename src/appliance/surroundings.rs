@@ -135,7 +135,7 @@ impl Appliance {
     }
 
     /// Takes what is monitored from now on.
-    pub fn describe(&self, facts: MachineFacts) {
+    pub fn describe(&mut self, facts: MachineFacts) {
         if !facts.has_model {
             warn!(
                 "the configuration has no [model]: R1 and R2 are judged by that of another machine (thesis, Table 4-1); \
@@ -147,6 +147,7 @@ impl Appliance {
         }
         let (configuration, calibration) = (&*facts.identity, facts.calibration.as_deref());
         info!(configuration, calibration, "what is judged by");
+        self.warnings.call(&facts.names);
         self.recorder.telemetry().describe(facts);
     }
 
@@ -229,7 +230,7 @@ impl Journal for Appliance {
         if withheld > 0 {
             info!(lines = withheld, "more of what follows was left out");
         }
-        notice_log::write(notice);
+        notice_log::write(notice, self.warnings.names());
     }
 
     fn bus(&mut self, health: &BusHealth) {

@@ -2,6 +2,7 @@
 
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::alarm::{State, Warning};
+use crate::config::MachineNames;
 use crate::incident::{Incident, MOST_AT_ONCE, Progress};
 use crate::live::outbox::OutboxLimits;
 use crate::story;
@@ -21,6 +22,8 @@ const INCIDENTS_WAITING: usize = MOST_AT_ONCE * MAX_CYLINDERS;
 pub(super) struct WarningLog {
     waiting: Vec<Warning>,
     incidents: Vec<Incident>,
+    /// How cylinders and transducers are called.
+    names: MachineNames,
 }
 
 impl WarningLog {
@@ -28,7 +31,19 @@ impl WarningLog {
         Self {
             waiting: Vec::with_capacity(WAITING),
             incidents: Vec::with_capacity(INCIDENTS_WAITING),
+            names: MachineNames::default(),
         }
+    }
+
+    /// Calls cylinders and transducers so from now on.
+    pub(super) fn call(&mut self, names: &MachineNames) {
+        self.write();
+        self.names.clone_from(names);
+    }
+
+    /// How cylinders and transducers are called.
+    pub(super) const fn names(&self) -> &MachineNames {
+        &self.names
     }
 
     pub(super) fn take(&mut self, warning: &Warning) {
@@ -47,24 +62,29 @@ impl WarningLog {
 
     /// Logs the warnings that wait, and then the incidents that they belong to.
     pub(super) fn write(&mut self) {
-        self.waiting.drain(..).for_each(|warning| write(&warning));
-        self.incidents.drain(..).for_each(|incident| tell(&incident));
+        let names = &self.names;
+        self.waiting.drain(..).for_each(|warning| write(&warning, names));
+        self.incidents.drain(..).for_each(|incident| tell(&incident, names));
     }
 }
 
-fn write(warning: &Warning) {
+fn write(warning: &Warning, names: &MachineNames) {
     let finding = &warning.finding;
     let state = warning.state.name();
     let residual = finding.residual.map(|residual| residual * 1e3);
     let gain = finding.gain().map(|gain| gain * 100.0);
     let device = finding.device.map(|device| device.to_string());
+    let suspect =
+        story::transducer(finding.suspect).and_then(|it| names.of_transducer(warning.cylinder, it));
     macro_rules! tell {
         ($say:ident) => {
             $say!(
                 cylinder = warning.cylinder,
+                name = names.of_cylinder(warning.cylinder),
                 detector = warning.detector.name(),
                 fault = finding.fault.name(),
                 suspect = finding.suspect.name(),
+                suspect_name = suspect,
                 level = finding.level.name(),
                 residual_mm = residual,
                 gain_percent = gain,
@@ -84,8 +104,8 @@ fn write(warning: &Warning) {
     }
 }
 
-fn tell(incident: &Incident) {
-    let (line, state) = (story::line(incident), incident.progress.name());
+fn tell(incident: &Incident, names: &MachineNames) {
+    let (line, state) = (story::line(incident, names), incident.progress.name());
     let (number, cylinder) = (incident.number, incident.scope.cylinder());
     let (suspect, level) = (incident.suspect.name(), incident.level.name());
     macro_rules! tell {

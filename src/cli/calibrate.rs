@@ -9,6 +9,7 @@ use super::update::{Study, Update};
 use crate::calibrate::{Calibration, CalibrationCourse};
 use crate::commission::holding::Without;
 use crate::config::{design, edit};
+use crate::report::ReadWith;
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
 use crate::survey::Recording;
@@ -86,7 +87,7 @@ impl Calibrate {
             Study::alone(surveyed)
         };
         let result = self.calibration(&study)?;
-        let page = calibration::page(&result, &study.surveyed.machine.loaded.fingerprints());
+        let page = calibration::page(&result, &ReadWith::from(&study.surveyed.machine.loaded));
         let settings = &study.surveyed.machine.loaded.settings;
         let usable = result.usable(settings.comparator.critical);
         let written =
@@ -148,6 +149,6 @@ fn figures(study: &Study, result: &Calibration) -> Result<String, Failure> {
     let settings = &study.surveyed.machine.loaded.settings;
     let mut differences = Differences::new(result, settings.machine.sample_time);
     study.read(study.window, &mut differences)?;
-    let with = study.surveyed.machine.loaded.fingerprints();
+    let with = ReadWith::from(&study.surveyed.machine.loaded);
     Ok(page::calibration::page(result, &differences, settings.comparator.bound, &with))
 }

@@ -246,8 +246,9 @@ fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
     let critical = settings.comparator.critical;
     (most > critical).then(|| {
         format!(
-            "comparator.critical: C1 − C2 of a healthy cylinder {n} is {most:.4} m at {at} m, by a \
-             and b of (5-20), which exceeds {critical} m: there it is always critical"
+            "comparator.critical: C1 − C2 of a healthy {} is {most:.4} m at {at} m, by a \
+             and b of (5-20), which exceeds {critical} m: there it is always critical",
+            settings.names().cylinder(n)
         )
     })
 }

@@ -7,6 +7,7 @@
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting, Settled};
 use crate::alarm::Warning;
+use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::monitor::{Notice, Record};
 use crate::report::Summary;
@@ -30,6 +31,8 @@ pub struct ColumnFolder {
     files: ColumnFiles,
     /// Time stamp of the first frame of all, from which seconds count.
     begin: Timestamp,
+    /// How cylinders and transducers are called, in words.
+    names: MachineNames,
     warnings: DayRows<WarningRow>,
     incidents: DayRows<IncidentRow>,
     notices: DayRows<NoticeRow>,
@@ -73,7 +76,7 @@ impl ColumnFolder {
     /// The folder cannot be made.
     pub fn create(
         folder: &Path,
-        machine: &str,
+        (machine, names): (&str, MachineNames),
         inputs: Inputs,
         overwriting: Overwriting,
     ) -> Result<Self, Failure> {
@@ -89,6 +92,7 @@ impl ColumnFolder {
         Ok(Self {
             files,
             begin: Timestamp::default(),
+            names,
             warnings: DayRows::default(),
             incidents: DayRows::default(),
             notices: DayRows::default(),
@@ -127,7 +131,7 @@ impl ColumnFolder {
     /// # Errors
     /// See [`Self::record`].
     pub fn incident(&mut self, incident: &Incident) -> Result<(), Failure> {
-        let row = IncidentRow { begin: self.begin, incident: *incident };
+        let row = IncidentRow::new(self.begin, incident, &self.names);
         self.incidents.take(row, &mut self.files)
     }
 
@@ -136,7 +140,7 @@ impl ColumnFolder {
     /// # Errors
     /// See [`Self::record`].
     pub fn notice(&mut self, notice: &Notice) -> Result<(), Failure> {
-        let row = NoticeRow::new(self.begin, notice);
+        let row = NoticeRow::new(self.begin, notice, &self.names);
         self.notices.take(row, &mut self.files)
     }
 

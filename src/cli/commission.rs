@@ -8,6 +8,7 @@ use super::tables;
 use super::update::{Study, Update};
 use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught};
 use crate::config::{self, design};
+use crate::report::ReadWith;
 use crate::report::{commission, page};
 use crate::survey::Recording;
 use clap::Args;
@@ -86,7 +87,7 @@ impl Commission {
         };
         let result = task.run(&study, tell)?;
         std::io::stdout()
-            .write_all(commission::page(&result, &machine.loaded.fingerprints()).as_bytes())
+            .write_all(commission::page(&result, &ReadWith::from(&machine.loaded)).as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
         if let Some(report) = report {
             report.write(&figures(&study, &result)?)?;
@@ -173,7 +174,7 @@ fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
     if let Some(differences) = &mut differences {
         study.read(study.window, differences)?;
     }
-    let with = study.surveyed.machine.loaded.fingerprints();
+    let with = ReadWith::from(&study.surveyed.machine.loaded);
     Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound, &with))
 }
 

@@ -8,6 +8,7 @@ use crate::config::design;
 use crate::identify::course::{IdentificationCourse, Options};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
+use crate::report::ReadWith;
 use crate::report::{identification, nonlinear, page};
 use crate::tables::model;
 use clap::{Args, ValueEnum};
@@ -108,7 +109,7 @@ impl Identify {
         let (settings, origin) = (&surveyed.machine.loaded.settings, &surveyed.origin());
         let outcome =
             IdentificationCourse { settings, origin, options: self.options() }.run(&surveyed)?;
-        let with = surveyed.machine.loaded.fingerprints();
+        let with = ReadWith::from(&surveyed.machine.loaded);
         let text = identification::page(&outcome, &with);
         std::io::stdout()
             .write_all(text.as_bytes())

@@ -6,6 +6,7 @@ use super::columns::ColumnFolder;
 use super::files::{Claimed, Writer};
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::LogWriter;
+use crate::config::{MachineNames, Settings};
 use crate::estimate::Estimate;
 use crate::incident::Incident;
 use crate::monitor::{Notice, Record, Sink};
@@ -42,6 +43,8 @@ pub struct Output {
     pub recorder: Option<PageRecorder>,
     /// The tables as Parquet files, if they are requested.
     pub columns: Option<ColumnFolder>,
+    /// How cylinders and transducers are called.
+    names: MachineNames,
     lines: Option<BufWriter<Stdout>>,
     residuals: Option<Behind<ResidualTable<Writer>>>,
     estimates: Option<Behind<EstimateTable<Writer>>>,
@@ -51,7 +54,7 @@ pub struct Output {
 
 impl Output {
     /// The requested outputs: lines of JSON on standard output, tables of residuals and of
-    /// estimates, a log of the frames sent (on `interface`). With more than one of `threads` the tables are written
+    /// estimates, a log of the frames sent (on the bus of `settings`). With more than one of `threads` the tables are written
     /// behind, each by a thread of its own.
     ///
     /// # Errors
@@ -59,13 +62,15 @@ impl Output {
     pub fn create(
         lines: bool,
         [residuals, estimates, frames]: [Option<Claimed>; 3],
-        interface: &str,
+        settings: &Settings,
         threads: usize,
     ) -> Result<Self, Failure> {
         let residuals = table(RESIDUALS, residuals, threads, ResidualTable::new)?;
         let estimates = table(ESTIMATES, estimates, threads, EstimateTable::new)?;
-        let frames =
-            frames.map(Claimed::open).transpose()?.map(|file| LogWriter::new(file, interface));
+        let frames = frames
+            .map(Claimed::open)
+            .transpose()?
+            .map(|file| LogWriter::new(file, &settings.bus.interface));
         Ok(Self {
             first: Timestamp::default(),
             begin: Timestamp::default(),
@@ -75,6 +80,7 @@ impl Output {
             notices: Notices::default(),
             recorder: None,
             columns: None,
+            names: settings.names(),
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,
             estimates,
@@ -189,7 +195,7 @@ impl Sink for Output {
             recorder.warning(self.first, warning);
         }
         if let Some(lines) = &mut self.lines {
-            let result = jsonl::warning(lines, self.begin, warning);
+            let result = jsonl::warning(lines, self.begin, warning, &self.names);
             self.note(LINES, result);
         }
         self.tabulate(|columns| columns.warning(warning));
@@ -198,7 +204,7 @@ impl Sink for Output {
     fn incident(&mut self, incident: &Incident) {
         self.incidents.take(incident);
         if let Some(lines) = &mut self.lines {
-            let result = jsonl::incident(lines, self.begin, incident);
+            let result = jsonl::incident(lines, self.begin, incident, &self.names);
             self.note(LINES, result);
         }
         self.tabulate(|columns| columns.incident(incident));
@@ -231,7 +237,7 @@ impl Sink for Output {
             recorder.notice(self.first, notice);
         }
         if let Some(lines) = &mut self.lines {
-            let result = jsonl::notice(lines, self.begin, notice);
+            let result = jsonl::notice(lines, self.begin, notice, &self.names);
             self.note(LINES, result);
         }
         self.tabulate(|columns| columns.notice(notice));

@@ -167,7 +167,7 @@ impl Replay {
         let mut output = Output::create(
             self.format == Format::Jsonl,
             [residuals, estimates, frames],
-            &machine.loaded.settings.bus.interface,
+            &machine.loaded.settings,
             threads,
         )?;
         output.columns = columns;
@@ -268,7 +268,8 @@ impl Replay {
             inputs.claim(wanted, self.overwriting)?;
         let columns = self.parquet.as_deref().map(|folder| {
             let name = self.machine.as_deref().unwrap_or(&machine.loaded.settings.machine.name);
-            ColumnFolder::create(folder, name, inputs, self.overwriting)
+            let names = machine.loaded.settings.names();
+            ColumnFolder::create(folder, (name, names), inputs, self.overwriting)
         });
         Ok(Claims { residuals, estimates, frames, report, state, columns: columns.transpose()? })
     }
@@ -296,12 +297,14 @@ impl Replay {
             .chain(doubtful::remarks(monitor.counts()))
             .collect();
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
-        let stops = Stops::new(histories, machine.loaded.settings.drift_limits());
+        let names = machine.loaded.settings.names();
+        let stops = Stops::new(histories, machine.loaded.settings.drift_limits(), &names);
         let summary = Summary {
             stops: &stops,
             duration: duration.as_seconds(),
             recorded: duration.as_seconds() - output.jumped,
             sample_time: machine.loaded.settings.machine.sample_time,
+            names: &names,
             fingerprints: &machine.loaded.fingerprints(),
             has_model: machine.loaded.has_model(),
             judgement,

@@ -88,6 +88,7 @@ pub fn facts(machine: &Machine) -> MachineFacts {
     let fingerprints = machine.loaded.fingerprints();
     MachineFacts {
         name: machine.loaded.settings.machine.name.clone(),
+        names: machine.loaded.settings.names(),
         configuration: machine.loaded.title(),
         identity: fingerprints.configuration.to_string(),
         calibration: fingerprints.calibration.map(|it| it.to_string()),
@@ -200,6 +201,7 @@ fn store_plan(machine: &Machine) -> Option<StorePlan> {
         size: u64::from(settings.store.size) * 1_000_000,
         days: settings.store.days,
         machine: settings.machine.name.clone(),
+        names: settings.names(),
         configuration: machine.loaded.fingerprints().configuration.to_string(),
         sample_time: settings.machine.sample_time,
     })

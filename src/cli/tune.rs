@@ -6,6 +6,7 @@ use super::machine::Machine;
 use super::survey::Field;
 use super::tables::{self, InPlace};
 use crate::config::design;
+use crate::report::ReadWith;
 use crate::report::{page, tuning};
 use crate::tables as learnt;
 use crate::tune::course::{SIGMA, TuningCourse, Untuned};
@@ -75,7 +76,7 @@ impl Tune {
         let usable = result.usable(settings);
         let written =
             usable.is_ok().then(|| learnt::tuning::of(&result, env!("CARGO_PKG_VERSION")));
-        let with = surveyed.machine.loaded.fingerprints();
+        let with = ReadWith::from(&surveyed.machine.loaded);
         tables::publish(&tuning::page(&result, &with), output, written.as_deref())?;
         if let Some(tables) = written {
             self.place.put(&tables, &[], design::judging)?;

@@ -3,6 +3,7 @@
 use super::Failure;
 use super::files::{Inputs, Overwriting};
 use crate::alarm::Warning;
+use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::monitor::{Notice, Record};
 use crate::report::Summary;
@@ -21,7 +22,12 @@ impl NoColumnFolder {
     ///
     /// # Errors
     /// Always.
-    pub fn create(_: &Path, _: &str, _: Inputs, _: Overwriting) -> Result<Self, Failure> {
+    pub fn create(
+        _: &Path,
+        _: (&str, MachineNames),
+        _: Inputs,
+        _: Overwriting,
+    ) -> Result<Self, Failure> {
         Err(Failure::Wrong(
             "--parquet: this program was built without it; build it with the feature: cargo install --locked \
              --path . --features parquet"

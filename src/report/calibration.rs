@@ -3,16 +3,16 @@
 use super::coverage;
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, TriedBand};
-use crate::config::Fingerprints;
 use crate::config::settings::{CylinderProcess, FrictionTable};
 use crate::extremes::four_digits;
+use crate::report::ReadWith;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.
-pub fn page(result: &Calibration, with: &Fingerprints) -> String {
+pub fn page(result: &Calibration, with: &ReadWith) -> String {
     let Calibration { machine, inputs, .. } = result;
     let mut text = format!("{machine}: {inputs} with {with}\n{}\n\n", parts(result));
     let coverage = coverage::section(result);

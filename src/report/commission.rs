@@ -6,16 +6,16 @@ use crate::alarm::detector::Basis;
 use crate::calibrate::Calibration;
 use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
-use crate::config::Fingerprints;
 use crate::evaluate::{CONFIDENCE, poisson_upper};
 use crate::extremes::four_digits;
+use crate::report::ReadWith;
 use crate::tables::cylinders::by_cylinders;
 use crate::tables::tuning::length;
 use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.
-pub fn page(result: &Commissioned, with: &Fingerprints) -> String {
+pub fn page(result: &Commissioned, with: &ReadWith) -> String {
     let mut text = format!("{}\n", result.verdict.sentence);
     for (head, lines) in [("why", &result.verdict.reasons), ("what to do", &result.verdict.advice)]
     {
@@ -42,7 +42,7 @@ fn listed(head: &str, lines: &[String]) -> String {
 }
 
 /// Recordings that were learnt from, and the configuration that they were read with.
-pub fn origin(result: &Commissioned, with: &Fingerprints) -> String {
+pub fn origin(result: &Commissioned, with: &ReadWith) -> String {
     let minutes = result.recorded / 60.0;
     let tried = result.trial.as_ref().map_or(String::new(), |trial| {
         let held = trial.held / 60.0;

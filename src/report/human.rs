@@ -1,6 +1,7 @@
 //! The page for people after a replay.
 
 use super::{Summary, Zone, verdict, wording};
+use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::monitor::Notice;
 use comfy_table::{
@@ -86,7 +87,7 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     _ = writeln!(page, "{}\n", textwrap::fill(&wording::warnings(summary), WIDTH));
     page += &cylinders(heading, summary);
     page += &on_the_stops(heading, summary);
-    page += &what_was_noticed(heading, notices);
+    page += &what_was_noticed(heading, summary, notices);
     page += &what_was_bad(summary);
     page
 }
@@ -175,7 +176,7 @@ fn incidents(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     }
     let mut table = table(heading, &wording::INCIDENT_COLUMNS);
     for incident in all.iter().take(IN_TABLE) {
-        table.add_row(row(heading, incident));
+        table.add_row(row(heading, incident, summary.names));
     }
     for column in [0, 1, 5, 6] {
         if let Some(column) = table.column_mut(column) {
@@ -188,17 +189,17 @@ fn incidents(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
         _ = writeln!(text, "… and {left_out} more; --format jsonl gives them all");
     }
     for incident in all.iter().take(IN_STORIES) {
-        _ = writeln!(text, "\n{}", story(heading, incident));
+        _ = writeln!(text, "\n{}", story(heading, incident, summary.names));
     }
     text
 }
 
 /// An incident in sentences, folded under its line.
-fn story(heading: &Heading<'_>, incident: &Incident) -> String {
+fn story(heading: &Heading<'_>, incident: &Incident, names: &MachineNames) -> String {
     let indented = textwrap::Options::new(WIDTH).initial_indent("  ").subsequent_indent("  ");
-    let line = wording::capitalised(&crate::story::line(incident));
+    let line = wording::capitalised(&crate::story::line(incident, names));
     let mut text = textwrap::fill(&line, WIDTH);
-    for sentence in wording::incident_story(heading.zone, incident) {
+    for sentence in wording::incident_story(heading.zone, incident, names) {
         text += "\n";
         text += &textwrap::fill(&sentence, &indented);
     }
@@ -230,8 +231,8 @@ fn on_the_stops(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     format!("\n{}\n\n{}\n", stops.verdict(), table.trim_fmt())
 }
 
-fn row(heading: &Heading<'_>, incident: &Incident) -> Vec<Cell> {
-    let mut cells = wording::incident_row(heading.zone, incident).map(Cell::new).to_vec();
+fn row(heading: &Heading<'_>, incident: &Incident, names: &MachineNames) -> Vec<Cell> {
+    let mut cells = wording::incident_row(heading.zone, incident, names).map(Cell::new).to_vec();
     let name = incident.level.name();
     let level = Cell::new(name);
     cells[wording::LEVEL_COLUMN] = match (heading.colour, name) {
@@ -244,13 +245,13 @@ fn row(heading: &Heading<'_>, incident: &Incident) -> Vec<Cell> {
     cells
 }
 
-fn what_was_noticed(heading: &Heading<'_>, notices: &Notices) -> String {
+fn what_was_noticed(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> String {
     let mut text = String::new();
     if !notices.kept.is_empty() {
         text += "\nNoticed:\n";
     }
     for notice in &notices.kept {
-        let [clock, what] = wording::notice(heading.zone.first(), notice);
+        let [clock, what] = wording::notice(heading.zone.first(), notice, summary.names);
         let indent = " ".repeat(16);
         let folded = textwrap::Options::new(WIDTH).subsequent_indent(&indent);
         _ = writeln!(text, "{}", textwrap::fill(&format!("{clock:>14}  {what}"), folded));

@@ -1,16 +1,16 @@
 //! An identification as a page for people.
 
 use super::sheet::{Section, Sheet};
-use crate::config::Fingerprints;
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
 use crate::identify::qr::Regression;
 use crate::identify::validate::SignalScore;
+use crate::report::ReadWith;
 use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.
-pub fn page(outcome: &Outcome, with: &Fingerprints) -> String {
+pub fn page(outcome: &Outcome, with: &ReadWith) -> String {
     let Outcome { machine, inputs, .. } = outcome;
     let mut text = format!("{machine}: {inputs} with {with}\n{}\n", parts(outcome));
     for section in [parameters(outcome), character(outcome), cross_validation(outcome)] {

@@ -1,12 +1,14 @@
 //! Lines of JSON for scripts, one object each.
 
 mod incident;
+mod named;
 
 use super::device::DeviceFields;
 use super::notice::NoticeFields;
 use super::stops::TrendLine;
 use super::{IdentityFields, Summary};
 use crate::alarm::{Detector, Warning};
+use crate::config::MachineNames;
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
 use crate::process::ProcessCoverage;
@@ -19,6 +21,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 pub use incident::incident;
+use named::{CylinderNameFields, NameFields};
 
 /// Seconds as a JSON number with all their digits.
 pub(super) type Digits = Box<RawValue>;
@@ -29,11 +32,13 @@ pub(super) fn digits(time: impl Display) -> Digits {
 }
 
 #[derive(Serialize)]
-struct WarningLine {
+struct WarningLine<'a> {
     r#type: &'static str,
     t: Digits,
     timestamp: Digits,
     cylinder: u8,
+    #[serde(flatten)]
+    names: NameFields<'a>,
     detector: &'static str,
     fault: &'static str,
     suspect: &'static str,
@@ -64,12 +69,14 @@ struct EvidenceFields {
 }
 
 #[derive(Serialize)]
-struct NoticeLine {
+struct NoticeLine<'a> {
     r#type: &'static str,
     t: Digits,
     timestamp: Digits,
     #[serde(flatten)]
     fields: NoticeFields,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -105,7 +112,7 @@ struct SummaryLine<'a> {
     duration: f64,
     incidents: u64,
     warnings: BTreeMap<Position, u64>,
-    cylinders: Vec<CylinderLine>,
+    cylinders: Vec<CylinderLine<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     trends: Vec<TrendLine>,
 }
@@ -121,8 +128,10 @@ impl Serialize for Position {
 }
 
 #[derive(Serialize)]
-struct CylinderLine {
+struct CylinderLine<'a> {
     cylinder: usize,
+    #[serde(flatten)]
+    names: CylinderNameFields<'a>,
     samples: u64,
     gated: u64,
     incomplete: u64,
@@ -197,7 +206,12 @@ impl CoverageFields {
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io::Result<()> {
+pub fn warning(
+    out: &mut impl Write,
+    first: Timestamp,
+    warning: &Warning,
+    names: &MachineNames,
+) -> io::Result<()> {
     let finding = &warning.finding;
     write_line(
         out,
@@ -206,6 +220,7 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
             t: digits(warning.timestamp.since(first)),
             timestamp: digits(warning.timestamp),
             cylinder: warning.cylinder,
+            names: NameFields::new(names, Some(warning.cylinder), finding.suspect),
             detector: warning.detector.name(),
             fault: finding.fault.name(),
             suspect: finding.suspect.name(),
@@ -231,10 +246,16 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Result<()> {
+pub fn notice(
+    out: &mut impl Write,
+    first: Timestamp,
+    notice: &Notice,
+    names: &MachineNames,
+) -> io::Result<()> {
     let fields = NoticeFields::from(notice);
+    let name = fields.cylinder.and_then(|number| names.of_cylinder(number));
     let (t, timestamp) = (digits(fields.at.since(first)), digits(fields.at));
-    write_line(out, &NoticeLine { r#type: "notice", t, timestamp, fields })
+    write_line(out, &NoticeLine { r#type: "notice", t, timestamp, fields, name })
 }
 
 /// Writes the last line.
@@ -274,6 +295,7 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
         cylinders: cylinders
             .map(|(index, (tally, jumps))| CylinderLine {
                 cylinder: index + 1,
+                names: CylinderNameFields::new(summary.names, index + 1),
                 samples: tally.cycles,
                 gated: tally.gated,
                 incomplete: tally.incomplete,

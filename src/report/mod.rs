@@ -21,6 +21,7 @@ mod notice;
 mod number;
 pub mod pace;
 pub mod page;
+pub mod read_with;
 pub mod residuals;
 pub mod sheet;
 pub mod stamps;
@@ -30,20 +31,21 @@ pub mod verdict;
 mod wording;
 pub mod zone;
 
-pub(crate) use wording::{bad_lines, counted, times};
+pub(crate) use wording::{bad_lines, capitalised, counted, times};
 
 pub use episode::{Episode, Episodes};
 pub use estimates::{EstimateRow, EstimateTable};
 pub use incidents::Incidents;
 pub use judgement::Judgement;
 pub use pace::{OffPace, RecordedPace};
+pub use read_with::ReadWith;
 pub use residuals::{ResidualRow, ResidualTable};
 pub use stops::Stops;
 pub use verdict::Blanks;
 pub use zone::Zone;
 
 use crate::bus::Statistics;
-use crate::config::Fingerprints;
+use crate::config::{Fingerprints, MachineNames};
 use crate::monitor::{Counts, cylinder::Tally};
 use serde::Serialize;
 
@@ -57,6 +59,8 @@ pub struct Summary<'a> {
     pub recorded: f64,
     /// Sample time, s.
     pub sample_time: f64,
+    /// How cylinders and transducers are called.
+    pub names: &'a MachineNames,
     /// What it was judged by.
     pub fingerprints: &'a Fingerprints,
     /// Whether the machine has a model of its own; otherwise R1 and R2 are those of the thesis's.

@@ -1,5 +1,7 @@
 //! Readings on the mechanical stops and their trends, in numbers and words.
 
+use crate::config::MachineNames;
+use crate::sample::Transducer;
 use crate::sequential::{Blame, DriftLimits, DwellHistory, Forecast, Judgement, Trend, stops};
 use serde::Serialize;
 
@@ -8,6 +10,8 @@ use serde::Serialize;
 pub struct Stops<'a> {
     pub stops: Vec<Stop<'a>>,
     pub limits: DriftLimits,
+    /// How cylinders and transducers are called.
+    pub names: &'a MachineNames,
 }
 
 /// Readings on the stop of one cylinder.
@@ -32,7 +36,13 @@ const DAYS: f64 = 30.4375;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrendLine {
     pub(super) cylinder: u8,
+    /// Name of the cylinder, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) name: Option<String>,
     pub(super) transducer: &'static str,
+    /// Name of the transducer, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) transducer_name: Option<String>,
     pub(super) dwells: usize,
     pub(super) months: f64,
     pub(super) moved_mm: f64,
@@ -75,10 +85,14 @@ impl Stop<'_> {
 
 impl<'a> Stops<'a> {
     /// Judges `histories`, which have the numbers of their cylinders, of one machine.
-    pub fn new(histories: Vec<(u8, &'a DwellHistory)>, limits: DriftLimits) -> Self {
+    pub fn new(
+        histories: Vec<(u8, &'a DwellHistory)>,
+        limits: DriftLimits,
+        names: &'a MachineNames,
+    ) -> Self {
         let judged = stops::judge(histories.iter().map(|(_, history)| *history));
         let stop = |((cylinder, history), judgement)| Stop { cylinder, history, judgement };
-        Self { stops: histories.into_iter().zip(judged).map(stop).collect(), limits }
+        Self { stops: histories.into_iter().zip(judged).map(stop).collect(), limits, names }
     }
 
     /// Stops with readings.
@@ -103,8 +117,8 @@ impl<'a> Stops<'a> {
         for stop in self.known() {
             for (which, trend) in stop.trends().into_iter().enumerate() {
                 let dwells = stop.history.dwells().len().to_string();
-                let mut row =
-                    vec![stop.cylinder.to_string(), TRANSDUCERS[which].to_owned(), dwells];
+                let cylinder = self.names.short(stop.cylinder);
+                let mut row = vec![cylinder, self.called(stop, which), dwells];
                 row.extend(match trend {
                     Some(trend) => [
                         span(trend.months),
@@ -125,14 +139,15 @@ impl<'a> Stops<'a> {
     pub fn verdict(&self) -> String {
         let drifts = |stop: &Stop<'_>| {
             let named = |which: &usize| stop.judgement.is_some_and(|it| it.names(*which));
-            let named: Vec<&str> =
-                [0, 1].into_iter().filter(named).map(|which| TRANSDUCERS[which]).collect();
+            let named: Vec<String> =
+                [0, 1].into_iter().filter(named).map(|which| self.called(stop, which)).collect();
             let whose = if stop.blame() == Blame::Undecided {
                 "C1 or C2".to_owned()
             } else {
                 named.join(" and ")
             };
-            (!whose.is_empty()).then(|| format!("{whose} of cylinder {}", stop.cylinder))
+            (!whose.is_empty())
+                .then(|| format!("{whose} of {}", self.names.cylinder(stop.cylinder)))
         };
         let drifting: Vec<String> = self.known().filter_map(drifts).collect();
         match (drifting.is_empty(), self.is_judged()) {
@@ -140,6 +155,10 @@ impl<'a> Stops<'a> {
             (true, true) => "The stops show no drift.".to_owned(),
             (true, false) => "Too few readings on the stops to detect a drift.".to_owned(),
         }
+    }
+
+    fn called(&self, stop: &Stop<'_>, which: usize) -> String {
+        self.names.transducer(stop.cylinder, [Transducer::C1, Transducer::C2][which])
     }
 
     /// Whether there are enough dwells to judge any cylinder.
@@ -152,7 +171,12 @@ impl<'a> Stops<'a> {
         let DriftLimits { maintenance, critical } = self.limits;
         let line = |stop: &Stop<'_>, which: usize, trend: Trend| TrendLine {
             cylinder: stop.cylinder,
+            name: self.names.of_cylinder(stop.cylinder).map(str::to_owned),
             transducer: ["c1", "c2"][which],
+            transducer_name: self
+                .names
+                .of_transducer(stop.cylinder, [Transducer::C1, Transducer::C2][which])
+                .map(str::to_owned),
             dwells: trend.dwells,
             months: trend.months,
             moved_mm: trend.moved * 1e3,
@@ -251,8 +275,9 @@ mod tests {
 
     #[test]
     fn a_drift_is_told_with_the_time_left() {
+        let names = MachineNames::default();
         let (still, drifting) = (history(31, 0.0), history(31, -1e-4));
-        let stops = Stops::new(vec![(2, &still), (3, &drifting)], LIMITS);
+        let stops = Stops::new(vec![(2, &still), (3, &drifting)], LIMITS, &names);
         assert_eq!(stops.columns()[5..], ["drift a month", "until 5 mm", "until 50 mm"]);
         assert_eq!(stops.verdict(), "The stops show a drift: C2 of cylinder 3.");
         let rows = stops.rows();
@@ -280,9 +305,10 @@ mod tests {
     #[test]
     fn of_few_dwells_nothing_is_claimed() {
         let (none, few) = (DwellHistory::default(), history(2, 1e-3));
-        let stops = Stops::new(vec![(1, &none)], LIMITS);
+        let names = MachineNames::default();
+        let stops = Stops::new(vec![(1, &none)], LIMITS, &names);
         assert!(stops.is_empty());
-        let stops = Stops::new(vec![(1, &none), (2, &few)], LIMITS);
+        let stops = Stops::new(vec![(1, &none), (2, &few)], LIMITS, &names);
         assert_eq!(stops.lines(), []);
         assert_eq!(stops.rows()[0][..], ["2", "C1", "2", "–", "–", "–", "too few dwells", "–"]);
         assert_eq!(stops.rows().len(), 2);

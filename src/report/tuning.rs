@@ -1,15 +1,15 @@
 //! A tuning as a page for people.
 
 use super::sheet::{Section, Sheet};
-use crate::config::Fingerprints;
 use crate::extremes::{HOURS_PER_YEAR, four_digits, per_second, times};
+use crate::report::ReadWith;
 use crate::tables::tuning::{length, meaning, name, sequential_meaning};
 use crate::tune::criterion::STEP;
 use crate::tune::{Score, Search, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.
-pub fn page(result: &Tuning, with: &Fingerprints) -> String {
+pub fn page(result: &Tuning, with: &ReadWith) -> String {
     let Tuning { machine, inputs, .. } = result;
     let mut text = format!("{machine}: {inputs} with {with}\n{}\n\n", part(result));
     text += &format!("{}{}\n\n", search(&result.search).text(), tried(&result.search));

@@ -1,7 +1,8 @@
 //! The verdict of a replay: what a person wants to know first.
 
 use super::zone::Zone;
-use super::{Incidents, Summary, counted};
+use super::{Summary, counted};
+use crate::config::MachineNames;
 use crate::monitor::cylinder::{Blank, NotJudged};
 use crate::sample::Transducer;
 use crate::sequential::Unknown;
@@ -31,7 +32,7 @@ pub struct Blanks {
 
 /// The verdict, in lines.
 pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
-    let found = incidents(summary.incidents, summary.recorded, zone);
+    let found = incidents(summary, zone);
     if !summary.judgement.is_judged() {
         // None is no news where nothing was judged; R3 may have found one all the same.
         return if summary.incidents.count() == 0 { Vec::new() } else { vec![found] };
@@ -40,18 +41,19 @@ pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
     lines.push(format!("The observers judged {} of the time.", judged(summary)));
     lines.extend(sequential(summary));
     lines.extend(process(summary));
-    lines.extend(summary.blanks.told(summary.tallies.len(), zone));
+    lines.extend(summary.blanks.told(summary.names, summary.tallies.len(), zone));
     lines
 }
 
-fn incidents(incidents: &Incidents, recorded: f64, zone: &Zone) -> String {
-    let length = story::span(Span::from_seconds(recorded));
+fn incidents(summary: &Summary<'_>, zone: &Zone) -> String {
+    let incidents = summary.incidents;
+    let length = story::span(Span::from_seconds(summary.recorded));
     let Some(worst) = incidents.worst() else {
         return format!("No incident in {length}.");
     };
     let at = worst.worst().map_or(worst.begin, |(_, peak)| peak.at);
     let which = if incidents.count() == 1 { ": " } else { ". Worst: " };
-    let (count, line) = (counted(incidents.count(), "incident"), story::line(worst));
+    let (count, line) = (counted(incidents.count(), "incident"), story::line(worst, summary.names));
     format!("{count} in {length}{which}{line} at {}.", zone.moment(at))
 }
 
@@ -120,7 +122,7 @@ fn process(summary: &Summary<'_>) -> Option<String> {
 
 impl Blanks {
     /// The longest ones in words and in the order of time, those of several transducers at the same time together.
-    fn told(&self, cylinders: usize, zone: &Zone) -> Vec<String> {
+    fn told(&self, names: &MachineNames, cylinders: usize, zone: &Zone) -> Vec<String> {
         let mut groups: Vec<(Blank, Vec<(usize, Transducer)>)> = Vec::new();
         for (number, blank) in &self.blanks {
             let length = blank.until.since(blank.from);
@@ -148,7 +150,7 @@ impl Blanks {
             .map(|(blank, who)| {
                 format!(
                     "Not judged: {} from {} to {} ({}).",
-                    names(who, cylinders),
+                    those(names, who, cylinders),
                     zone.time(blank.from),
                     zone.time(blank.until),
                     reason(blank.reason)
@@ -163,7 +165,7 @@ impl Blanks {
 }
 
 /// Whose readings were not judged: `cylinder 3's C2`, `cylinder 3`, `every cylinder`.
-fn names(who: &[(usize, Transducer)], cylinders: usize) -> String {
+fn those(names: &MachineNames, who: &[(usize, Transducer)], cylinders: usize) -> String {
     let both = |n: usize| {
         [Transducer::C1, Transducer::C2]
             .into_iter()
@@ -176,17 +178,21 @@ fn names(who: &[(usize, Transducer)], cylinders: usize) -> String {
     if cylinders > 1 && who.len() == cylinders && (1..=cylinders).all(first) {
         return "every cylinder's C1".to_owned();
     }
-    let mut names = Vec::new();
+    let mut told = Vec::new();
     for n in 1..=cylinders {
         let of = |transducer| who.contains(&(n, transducer));
+        let one = |it| match names.of_cylinder(n) {
+            Some(_) => format!("{} of {}", names.transducer(n, it), names.cylinder(n)),
+            None => format!("{}'s {}", names.cylinder(n), names.transducer(n, it)),
+        };
         match (of(Transducer::C1), of(Transducer::C2)) {
-            (true, true) => names.push(format!("cylinder {n}")),
-            (true, false) => names.push(format!("cylinder {n}'s C1")),
-            (false, true) => names.push(format!("cylinder {n}'s C2")),
+            (true, true) => told.push(names.cylinder(n)),
+            (true, false) => told.push(one(Transducer::C1)),
+            (false, true) => told.push(one(Transducer::C2)),
             (false, false) => {}
         }
     }
-    names.join(", ")
+    told.join(", ")
 }
 
 const fn reason(reason: NotJudged) -> &'static str {

@@ -4,6 +4,7 @@ use super::jsonl::restart_name;
 use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
+use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::monitor::Notice;
 use crate::process::detector;
@@ -50,7 +51,7 @@ pub const INCIDENT_COLUMNS: [&str; 7] =
 pub const LEVEL_COLUMN: usize = 3;
 
 /// A row in the order of [`INCIDENT_COLUMNS`].
-pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
+pub fn incident_row(zone: &Zone, incident: &Incident, names: &MachineNames) -> [String; 7] {
     let largest = incident.worst().map_or("–".to_owned(), |(quantity, peak)| {
         let (name, size) = (story::quantity(quantity), story::millimetres(peak.value.abs()));
         format!("{} {}", name.replace(" − ", "−"), size.trim_end_matches(" mm"))
@@ -59,7 +60,10 @@ pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
     let lasted = story::lasted(incident).unwrap_or_else(over);
     [
         zone.time(incident.begin),
-        story::numbers(incident.scope.cylinders()),
+        match incident.scope.cylinder() {
+            Some(number) => names.short(number),
+            None => story::numbers(incident.scope.cylinders()),
+        },
         story::suspect_in_time(incident),
         incident.level.name().to_owned(),
         story::kind(incident),
@@ -69,7 +73,7 @@ pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
 }
 
 /// An incident in sentences: how it lasted, the evidence and what to do.
-pub fn incident_story(zone: &Zone, incident: &Incident) -> [String; 3] {
+pub fn incident_story(zone: &Zone, incident: &Incident, names: &MachineNames) -> [String; 3] {
     [
         format!(
             "{} (stamped {}), {}.",
@@ -78,7 +82,7 @@ pub fn incident_story(zone: &Zone, incident: &Incident) -> [String; 3] {
             story::ending(incident)
         ),
         capitalised(&format!("{}.", story::evidence(incident))),
-        story::advice(incident),
+        story::advice(incident, names),
     ]
 }
 
@@ -87,7 +91,7 @@ pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 8]> {
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
         let [r1, r2, r3] = tally.worst.map(|worst| worst.map_or("–".to_owned(), millimetres));
         [
-            number.to_string(),
+            summary.names.short(number),
             tally.gated.to_string(),
             tally.incomplete.to_string(),
             (tally.implausible[0] + tally.implausible[1]).to_string(),
@@ -107,7 +111,7 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
         let coverage = tally.sequential?;
         let [unmonitored, unread, uncalibrated, baseline] = coverage.unknown.map(seconds);
         let judged = seconds(coverage.judged);
-        Some([number.to_string(), judged, unmonitored, unread, uncalibrated, baseline])
+        Some([summary.names.short(number), judged, unmonitored, unread, uncalibrated, baseline])
     };
     (1..).zip(summary.tallies).filter_map(row).collect()
 }
@@ -121,7 +125,7 @@ pub fn process_rows(summary: &Summary<'_>) -> Vec<[String; PROCESS_COLUMNS.len()
         let [spool, chambers, flow, friction, supply] =
             coverage.judged().map(|it| it.map_or("–".to_owned(), seconds));
         let monitored = seconds(coverage.monitored);
-        Some([number.to_string(), monitored, spool, chambers, flow, friction, supply])
+        Some([summary.names.short(number), monitored, spool, chambers, flow, friction, supply])
     };
     (1..).zip(summary.tallies).filter_map(row).collect()
 }
@@ -184,7 +188,7 @@ pub fn warnings(summary: &Summary<'_>) -> String {
 }
 
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
-pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
+pub fn episode_row(first: Timestamp, episode: &Episode, names: &MachineNames) -> [String; 10] {
     let finding = &episode.finding;
     let first_fault = story::what(finding.suspect, episode.first_fault);
     let fault = match finding.gain() {
@@ -204,7 +208,7 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     [
         clock(episode.raised.since(first).as_seconds()),
         log_time(episode.raised),
-        episode.cylinder.to_string(),
+        names.short(episode.cylinder),
         episode.detector.label().to_owned(),
         fault,
         story::suspect(finding.suspect).to_owned(),
@@ -216,10 +220,10 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
 }
 
 /// An episode in a line: `1:00.060: step (FDE1): C1, yellow, 1.21 mm of 1.00 mm, for 6.02 s`.
-pub fn episode_line(first: Timestamp, episode: &Episode) -> String {
+pub fn episode_line(first: Timestamp, episode: &Episode, names: &MachineNames) -> String {
     let [at, _, _, detector, fault, _, level, residual, limit, lasted] =
-        episode_row(first, episode);
-    let whom = story::whom(episode.finding.suspect, false);
+        episode_row(first, episode, names);
+    let whom = story::whom(names, episode.cylinder.into(), episode.finding.suspect, false);
     let detector = match episode.detector.basis() {
         Basis::Residual(_) | Basis::Readings => detector,
         Basis::Samples | Basis::Lengths => format!("{detector} detector"),
@@ -234,7 +238,7 @@ pub fn episode_line(first: Timestamp, episode: &Episode) -> String {
 }
 
 /// Time and text of a notice.
-pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
+pub fn notice(first: Timestamp, notice: &Notice, names: &MachineNames) -> [String; 2] {
     let (at, what) = match *notice {
         Notice::Gap { at, length } => {
             (at, format!("cycles again after {:.2} s without any", length.as_seconds()))
@@ -251,7 +255,8 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         Notice::Doubt { at, id, doubt, is_over, .. } => (at, story::doubt(id, doubt, is_over)),
         Notice::Restart { at, cylinder, detector, reason } => {
             let (label, reason) = (detector.label(), spaced(restart_name(reason)));
-            (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))
+            let cylinder = names.cylinder(cylinder);
+            (at, format!("{cylinder}: {label}'s observer restarts ({reason})"))
         }
         Notice::Timing { at, apart: Some(apart) } => (at, story::timing(&apart)),
         Notice::Timing { at, apart: None } => {
@@ -259,7 +264,8 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         }
         Notice::Device { at, cylinder, role, node, news } => {
             let what = story::news(news);
-            (at, format!("cylinder {cylinder}: node {node} ({}) {what}", role.label()))
+            let cylinder = names.cylinder(cylinder);
+            (at, format!("{cylinder}: node {node} ({}) {what}", role.label()))
         }
     };
     [clock(at.since(first).as_seconds()), what]

@@ -72,18 +72,32 @@ fn nothing_is_compared_on_a_cylinder_without_c2() {
     let incident = alone(Suspect::C1, Fault::Incipient);
     let told = evidence(&incident);
     assert_eq!(told, "C1's observer rose; there is no second transducer to ask, so C1 is blamed");
-    let told = advice(&incident);
+    let told = advice(&incident, &MachineNames::default());
     let cylinder = "If nothing is wrong there, look at the cylinder, its valve and its supply.";
     assert!(told.contains("magnet of C1") && told.ends_with(cylinder), "{told}");
 
     let open = alone(Suspect::Undecided, Fault::Noise);
-    assert!(line(&open).starts_with("cylinder 3, C1 or the cylinder, yellow: "), "{}", line(&open));
-    let told = advice(&open);
+    assert!(
+        line(&open, &MachineNames::default())
+            .starts_with("cylinder 3, C1 or the cylinder, yellow: "),
+        "{}",
+        line(&open, &MachineNames::default())
+    );
+    let told = advice(&open, &MachineNames::default());
     assert!(told.contains("if C1 reads another length there than before"), "{told}");
     let process = alone(Suspect::Process, Fault::Unclassified);
-    assert!(line(&process).starts_with("cylinder 3, not C1, yellow: "), "{}", line(&process));
+    assert!(
+        line(&process, &MachineNames::default()).starts_with("cylinder 3, not C1, yellow: "),
+        "{}",
+        line(&process, &MachineNames::default())
+    );
     for it in [incident, open, process] {
-        let all = [evidence(&it), line(&it), advice(&it)].concat();
+        let all = [
+            evidence(&it),
+            line(&it, &MachineNames::default()),
+            advice(&it, &MachineNames::default()),
+        ]
+        .concat();
         assert!(!all.contains("C2") && !all.contains("difference"), "{all}");
         assert!(!all.contains("neither") && !all.contains("which of the two"), "{all}");
     }
@@ -175,10 +189,17 @@ fn what_the_cylinders_share_is_told_once_and_suspects_no_transducer() {
     let mut told = None;
     incidents.follow_machine(at(1.0), |it| told = Some(*it));
     let told = told.expect("it is the machine's");
-    assert_eq!(line(&told), "machine (cylinders 1 to 3), black: no messages in time");
+    assert_eq!(
+        line(&told, &MachineNames::default()),
+        "machine (cylinders 1 to 3), black: no messages in time"
+    );
     let end = "so no transducer is suspected";
     assert!(evidence(&told).ends_with(end), "{}", evidence(&told));
-    assert!(advice(&told).contains("the Sync"), "{}", advice(&told));
+    assert!(
+        advice(&told, &MachineNames::default()).contains("the Sync"),
+        "{}",
+        advice(&told, &MachineNames::default())
+    );
 }
 
 /// That the observers and the difference stayed quiet is what speaks for the hydraulics.
@@ -216,12 +237,16 @@ fn a_suspect_that_was_named_late_is_told_as_such() {
     let ends = Finding { suspect: Suspect::C2, residual: Some(2e-3), ..open };
     let late = of(&[(1.0, WarningPlace::Fde3, open), (119.7, WarningPlace::Fde2, ends)]);
     let told = "cylinder 1, C2 (named after 118.7 s, when the fault ended), yellow: growing error, R2 up to 2.00 mm (limit 1.00 mm)";
-    assert_eq!(line(&late), told);
+    assert_eq!(line(&late, &MachineNames::default()), told);
     let told = "; so it is C2 (named by C2's observer after 118.7 s, when the fault ended)";
     assert!(evidence(&late).ends_with(told), "{}", evidence(&late));
     let named = Finding { suspect: Suspect::C2, ..open };
     let at_once = of(&[(1.0, WarningPlace::Fde3, named)]);
-    assert!(line(&at_once).starts_with("cylinder 1, C2, yellow"), "{}", line(&at_once));
+    assert!(
+        line(&at_once, &MachineNames::default()).starts_with("cylinder 1, C2, yellow"),
+        "{}",
+        line(&at_once, &MachineNames::default())
+    );
 }
 
 /// Two incidents with other suspects differ in their evidence, too.

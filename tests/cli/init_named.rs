@@ -87,6 +87,12 @@ fn spool_pressures_and_supply_of_cylinders_with_names_are_found() {
             }
         }
         assert_eq!(found.signals.supply.as_deref(), Some("Plc_State.AccuPress"));
+        // Names that differ by numbers say no more than the numbers.
+        let is_named = names == NAMES;
+        for (n, name) in (1_u8..).zip(names) {
+            assert_eq!(found.names().of_cylinder(n), Some(name).filter(|_| is_named));
+        }
+        assert_eq!(run.stderr.contains("cylinder.name"), is_named, "{}", run.stderr);
     }
 }
 

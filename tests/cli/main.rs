@@ -27,6 +27,7 @@ mod inject_cli;
 mod inject_oracle;
 mod machines;
 mod manual;
+mod names;
 mod output_files;
 mod outputs_document;
 mod overrides;

@@ -21,7 +21,7 @@ fn unknown_keys_name_the_nearest() {
         "c2_gain",
         "C2-gian",
         "43:1: [[cylinder]] number 1 has an unknown key, `C2-gian`",
-        "the nearest known key is `c2_gain`; [[cylinder]] number 1 knows n, c2, c2_gain,",
+        "the nearest known key is `c2_gain`; [[cylinder]] number 1 knows n, name, c1_name, c2_name, c2, c2_gain,",
     );
     refused(
         "critical = 0.05",

@@ -6,6 +6,7 @@ mod design;
 mod documents;
 mod files;
 mod keys;
+mod names;
 mod overrides;
 mod properties;
 mod reading;

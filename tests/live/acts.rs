@@ -10,6 +10,7 @@ use tertius::appliance::http::{Desk, DeskPlan, Server, TokenDigest};
 use tertius::appliance::store::{Cause, Clerk, StorePlan};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
+use tertius::config::MachineNames;
 use tertius::config::settings::Realtime;
 use tertius::frame::Id;
 use tertius_testing::process::{configuration, excerpt, write};
@@ -36,6 +37,7 @@ impl Office {
             size: 8_000_000,
             days: 100,
             machine: "a machine".to_owned(),
+            names: MachineNames::default(),
             configuration: String::new(),
             sample_time: 0.02,
         };

@@ -6,6 +6,7 @@ use tertius::alarm_list::ActKind;
 use tertius::appliance::store::{AlarmAct, Cause, Clerk, Filter, StorePlan, StoreReader};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::{Clock, SystemClock};
+use tertius::config::MachineNames;
 use tertius::time::Span;
 use tertius_testing::process::{configuration, excerpt, write};
 use tertius_testing::support::{Run, replay, tertius};
@@ -98,6 +99,7 @@ fn an_act_is_answered_once_it_is_kept() {
         size: 8_000_000,
         days: 100,
         machine: "a machine".to_owned(),
+        names: MachineNames::default(),
         configuration: String::new(),
         sample_time: 0.02,
     };

@@ -15,7 +15,7 @@ use tertius::appliance::telemetry::Telemetry;
 use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::bus::embedded::{Clock, EmbeddedBus, ManualClock};
 use tertius::bus::{Identifiers, UnrestrictedPort};
-use tertius::config::Fingerprints;
+use tertius::config::{Fingerprints, MachineNames};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::incident::Incident;
 use tertius::live::gateway::Journal;
@@ -192,6 +192,7 @@ fn plan(folder: &Path) -> FlightPlan {
         after: Span::from_seconds(2.0),
         size: 10_000_000,
         machine: "made by hand".to_owned(),
+        names: MachineNames::default(),
         fingerprints: Fingerprints::default(),
         interfaces: vec!["can0".to_owned()],
         files: Vec::new(),

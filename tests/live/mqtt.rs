@@ -13,6 +13,7 @@ use tertius::appliance::store::{Cause, Clerk, EventKind, StorePlan, StoreReader}
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::appliance::telemetry::exposition::exposition;
+use tertius::config::MachineNames;
 use tertius::frame::Frame;
 use tertius::incident::Incident;
 use tertius::monitor::Monitor;
@@ -138,6 +139,7 @@ impl Kept {
             size: 8_000_000,
             days: 100,
             machine: "a machine".to_owned(),
+            names: MachineNames::default(),
             configuration: "01234567".to_owned(),
             sample_time: 0.02,
         };

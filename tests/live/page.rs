@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tertius::appliance::http::{Desk, Server};
 use tertius::appliance::telemetry::{MachineFacts, Recorder};
+use tertius::config::MachineNames;
 use tertius::frame::Frame;
 use tertius::time::Span;
 use tertius_testing::machine::Cycle;
@@ -101,6 +102,52 @@ fn the_overview_has_lamps_and_claims_nothing_without_evidence() {
     assert_eq!(overview["cylinders"][0]["residuals_mm"], serde_json::json!([null, null, null]));
     assert_eq!(overview["platform"], Value::Null, "what it was is no news");
     assert_eq!(overview["incidents"][0]["cylinder"], 2);
+}
+
+/// Names of the first two cylinders, which nothing else has to know.
+fn names() -> MachineNames {
+    let tag = r#"{"name":"Fwd\"Port\\","c1_name":"LT-101A"}"#;
+    let other = r#"{"name":"<b>FwdStbd</b>","c1_name":"LT-102A","c2_name":"LT-102B"}"#;
+    serde_json::from_str(&format!("[{tag},{other},{{}},{{}},{{}},{{}}]")).expect("names")
+}
+
+#[test]
+fn names_stand_beside_numbers_in_what_the_page_asks_for_and_in_the_metrics() {
+    let bench = bench();
+    let bare =
+        [bench.ask("/api/overview").body, bench.ask("/api/machine").body, bench.scrape().body];
+    for (text, name) in bare.iter().zip(["\"name\":\"Fwd", "\"names\"", "tertius_cylinder_info"]) {
+        assert!(!text.contains(name), "{name} in {text}");
+    }
+    let telemetry = bench.witness.recorder.telemetry();
+    telemetry.describe(MachineFacts { names: names(), ..(*telemetry.facts()).clone() });
+    let overview = json(&bench.ask("/api/overview"));
+    let cylinders = &overview["cylinders"];
+    assert_eq!(
+        (&cylinders[1]["number"], &cylinders[1]["name"]),
+        (&2.into(), &"<b>FwdStbd</b>".into())
+    );
+    assert_eq!(cylinders[1]["transducers"][1]["name"], "LT-102B");
+    assert!(
+        cylinders[0]["transducers"][1].get("name").is_none() && cylinders[2].get("name").is_none()
+    );
+    let incident = &overview["incidents"][0];
+    assert_eq!((&incident["cylinder"], &incident["name"]), (&2.into(), &"<b>FwdStbd</b>".into()));
+    assert_eq!(incident["suspect_name"], "LT-102A");
+    let summary = incident["summary"].as_str().expect("words");
+    assert!(summary.starts_with("cylinder 2 (<b>FwdStbd</b>), C1 (LT-102A), "), "{summary}");
+    assert_eq!(json(&bench.ask("/api/machine"))["names"][0]["c1_name"], "LT-101A");
+    let metrics = bench.metrics();
+    let of = |labels: &[&str]| metrics.get("tertius_cylinder_info", labels);
+    assert_eq!(of(&["cylinder=1", "name=Fwd\"Port\\"]), 1.0);
+    assert_eq!(of(&["cylinder=2", "name=<b>FwdStbd</b>"]), 1.0);
+    let tag = ["cylinder=2", "transducer=c2", "name=LT-102B"];
+    assert_eq!(metrics.get("tertius_transducer_info", &tag), 1.0);
+    let text = bench.scrape().body;
+    assert_eq!(text.matches("tertius_cylinder_info{").count(), 2, "{text}");
+    assert_eq!(text.matches("tertius_transducer_info{").count(), 3);
+    // No other sample has changed: the numbers are what they are joined by.
+    assert!(text.contains("tertius_incidents_open{cylinder=\"2\"} 1"), "{text}");
 }
 
 #[test]

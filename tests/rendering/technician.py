@@ -22,6 +22,8 @@ from playwright.sync_api import sync_playwright
 
 URL, TOKEN, AXE, PROGRAM = sys.argv[1:5]
 FOLDER = sys.argv[5] if len(sys.argv) > 5 else None
+# Cylinder 3 and its C1 as the configuration calls them.
+NAMED, TAGGED = "cylinder 3 (<u>Fwd</u>)", "C1 (LT-103A)"
 LAMP_WITHIN = float(os.environ.get("LAMP_WITHIN", "1"))
 SEEN = {}
 
@@ -143,7 +145,11 @@ def main():
         # What a busy computer withheld from the browser is not the page's.
         result["withheld_s"] = round(page.evaluate("() => window.withheld") / 1e3, 3)
         assert result["lamp_after_s"] <= LAMP_WITHIN + result["withheld_s"], result
-        assert page.locator("#view-overview .incidents a").first.inner_text().startswith("cylinder 3, C1")
+        assert page.locator("#view-overview .incidents a").first.inner_text().startswith(f"{NAMED}, {TAGGED}")
+        # Names are texts, wherever they are shown.
+        assert page.locator(".card h3").nth(2).inner_text() == f"C{NAMED[1:]}"
+        assert page.locator(".card").nth(2).locator(".transducer .name").all_inner_texts() == [TAGGED, "C2"]
+        assert page.locator(".card h3").nth(1).inner_text() == "Cylinder 2"
 
         # By the keyboard alone: acknowledged, then shelved.
         page.goto(f"{URL}/#alarms")
@@ -191,6 +197,9 @@ def main():
                 name = "incident" if view == f"incidents/{number}" else view.split("/")[0]
                 look(one, view, f"{name}-{suffix}", findings)
         page.goto(f"{URL}/#maintenance")
+        assert page.locator("#view-maintenance tr", has_text=f"C{NAMED[1:]}, {TAGGED}").count() == 1
+        assert "Trends of cylinder 3 (<u>Fwd</u>)" == phone.locator("#trends-title").text_content()
+        assert page.locator("u").count() == 0, "a name is no markup"
         row = page.locator("#view-maintenance tr", has_text="Calibration").inner_text()
         days = int((time.time() - 1_698_796_800) // 86_400)
         assert row.endswith(f"from recordings until 2023-11-01, {days} days ago"), row

@@ -21,6 +21,10 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
     let config = config
         .replace("interface = \"can0\"", "interface = \"virtual\"")
         .replace("../../dbc/e-type.dbc", "e-type.dbc")
+        .replace(
+            "[[cylinder]]\nn = 3\n",
+            "[[cylinder]]\nn = 3\nname = \"<u>Fwd</u>\"\nc1_name = \"LT-103A\"\n",
+        )
         + &format!(
             "\n[calibration]\nrecorded = \"2023-11-01\"\n\n[http]\nlisten = \"127.0.0.1:0\"\ntoken = \"{digest}\"\n[store]\nfile = \"events.db\"\n\
              [recorder]\nfolder = \"recordings\"\nbefore = 10.0\nafter = 5.0\n"

@@ -59,7 +59,7 @@ impl Loaded {
         let measured = MEASURED.iter().filter_map(|&name| whole.get_key_value(name));
         let mut measured: Table =
             measured.map(|(name, value)| (name.clone(), value.clone())).collect();
-        forget_second(measured.get_mut("cylinder"));
+        forget_chosen(measured.get_mut("cylinder"));
         remove(whole.get_mut("bus"), "dbc");
         let devices = whole.get_mut("canopen").and_then(|canopen| canopen.get_mut("device"));
         for device in devices.and_then(Value::as_array_mut).into_iter().flatten() {
@@ -74,10 +74,15 @@ impl Loaded {
     }
 }
 
-/// Whether a cylinder has a C2 was not measured, and nor was anything of a cylinder of which nothing else is said.
-fn forget_second(cylinders: Option<&mut Value>) {
+/// Keys of a cylinder that say what it has and how it is called, and not what was measured.
+const CHOSEN: [&str; 4] = ["c2", "name", "c1_name", "c2_name"];
+
+/// Removes what was chosen, and a cylinder of which nothing else is said.
+fn forget_chosen(cylinders: Option<&mut Value>) {
     let Some(cylinders) = cylinders.and_then(Value::as_array_mut) else { return };
-    cylinders.iter_mut().for_each(|cylinder| remove(Some(cylinder), "c2"));
+    for cylinder in cylinders.iter_mut() {
+        CHOSEN.iter().for_each(|key| remove(Some(&mut *cylinder), key));
+    }
     cylinders.retain(|cylinder| cylinder.as_table().is_none_or(|table| table.len() > 1));
 }
 

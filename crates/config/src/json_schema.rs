@@ -6,7 +6,7 @@
 use super::reference::toml_default;
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::settings::ROOT;
-use super::text::{LONGEST_NAME, LONGEST_PATH, LONGEST_TEXT, TextRule};
+use super::text::{LONGEST_NAME, LONGEST_PATH, LONGEST_TAG, LONGEST_TEXT, TextRule};
 use serde_json::{Map, Value, json};
 use std::ops::Bound;
 use tertius_core::frame::BusNumber;
@@ -119,7 +119,7 @@ fn text(rule: TextRule) -> Value {
     const LINE: &str = r"^[^\x00-\x1f\x7f-\x9f]*[^\s\x00-\x1f\x7f-\x9f][^\x00-\x1f\x7f-\x9f]*$";
     let bus = format!("(({}):)?", BusNumber::NAMES.join("|"));
     let pattern = match rule {
-        TextRule::Name | TextRule::Path | TextRule::Authority => LINE.to_owned(),
+        TextRule::Name | TextRule::Tag | TextRule::Path | TextRule::Authority => LINE.to_owned(),
         TextRule::Interface => r"^[^\s/\x00-\x1f\x7f-\x9f]{1,15}$".to_owned(),
         TextRule::Message => format!("^{bus}{NAME}$"),
         TextRule::Signal => format!(r"^{bus}{NAME}\.{NAME}$"),
@@ -140,6 +140,7 @@ fn text(rule: TextRule) -> Value {
     let mut schema = json!({"type": "string", "pattern": pattern});
     let longest = match rule {
         TextRule::Name => Some(LONGEST_TEXT),
+        TextRule::Tag => Some(LONGEST_TAG),
         TextRule::Path | TextRule::Authority => Some(LONGEST_PATH),
         TextRule::Message | TextRule::Topic | TextRule::EdgeNode => Some(LONGEST_NAME),
         _ => None,

@@ -15,6 +15,7 @@ mod identity;
 mod json_schema;
 mod kinds;
 mod loader;
+mod names;
 mod overrides;
 mod portable;
 mod problem;
@@ -35,11 +36,14 @@ pub use document::Document;
 pub use identity::{Fingerprint, Fingerprints};
 pub use json_schema::json_schema;
 pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text, load_with};
+pub use names::MachineNames;
 pub use overrides::{Override, OverrideOrigin, Overrides};
 pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use relocate::relocate;
 pub use settings::Settings;
+
+pub use text::LONGEST_TAG;
 
 use problem::Problems;
 use settings::ROOT;

@@ -2,6 +2,7 @@
 
 mod buses;
 mod devices;
+mod names;
 
 use std::collections::BTreeSet;
 
@@ -25,6 +26,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.buses(settings);
     relations.signals(settings);
     relations.cylinders(settings);
+    relations.names(settings);
     relations.devices(settings);
 }
 
@@ -321,7 +323,7 @@ impl Relations<'_> {
             );
             return;
         }
-        for name in ["c2_gain", "c2_offset", "sequential"] {
+        for name in ["c2_name", "c2_gain", "c2_offset", "sequential"] {
             self.require(
                 !self.document.has(&key(name)),
                 &[&key(name)],

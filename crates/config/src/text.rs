@@ -17,6 +17,8 @@ pub(super) const LONGEST_NAME: usize = 128;
 /// Longest interface name: IFNAMSIZ of Linux without the closing zero.
 const LONGEST_INTERFACE: usize = 15;
 pub(super) const LONGEST_TEXT: usize = 200;
+/// Longest name of a cylinder or transducer, characters: it stands in columns and headings.
+pub const LONGEST_TAG: usize = 32;
 /// Longest path: PATH_MAX of Linux.
 pub(super) const LONGEST_PATH: usize = 4096;
 /// Most commas of lists that are checked; a longer list is refused for its length.
@@ -27,6 +29,8 @@ const MOST_LISTED: usize = 64;
 pub(super) enum TextRule {
     /// Something for people to read.
     Name,
+    /// The name of a cylinder or transducer.
+    Tag,
     /// A network interface.
     Interface,
     /// A path, relative to the folder of the file.
@@ -79,6 +83,7 @@ const EDGE_HELP: &str = "the names of a group and of this gateway in it, for exa
 const DIGEST_HELP: &str =
     "the SHA-256 of the token and not the token itself; `tertius token` makes both";
 const DAY_HELP: &str = "for example 2026-03-14, in UTC";
+const TAG_HELP: &str = "it is shown beside the number, for example FwdPort or LT-101A";
 const INTERFACE_HELP: &str =
     "as `ip link` lists it, for example can0; or virtual, the embedded bus";
 
@@ -98,6 +103,7 @@ impl TextRule {
     pub fn check(self, text: &str) -> Result<(), TextFault> {
         match self {
             Self::Name => bounded(text, LONGEST_TEXT, "it is shown to people"),
+            Self::Tag => tag(text),
             Self::Path | Self::Authority => {
                 bounded(text, LONGEST_PATH, "a path relative to this file")
             }
@@ -145,6 +151,41 @@ fn bounded(text: &str, longest: usize, help: &'static str) -> Result<(), TextFau
     } else {
         Ok(())
     }
+}
+
+fn tag(text: &str) -> Result<(), TextFault> {
+    if text.chars().count() > LONGEST_TAG {
+        return fault(format!("at most {LONGEST_TAG} characters long"), TAG_HELP);
+    }
+    bounded(text, text.len(), TAG_HELP)?;
+    if text.contains(is_invisible) {
+        return fault("without invisible characters", TAG_HELP);
+    }
+    if text.trim() != text {
+        return fault("without spaces at its ends", TAG_HELP);
+    }
+    // "cylinder 3 (2)" and "C1 (C2)" would be read as the other one.
+    let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
+    if is_number || ["c1", "c2"].contains(&text.to_ascii_lowercase().as_str()) {
+        return fault("a name, and not a number, C1 or C2", TAG_HELP);
+    }
+    Ok(())
+}
+
+/// Whether a character shows nothing, or changes the direction of others, so that a name would look like another one.
+fn is_invisible(c: char) -> bool {
+    matches!(
+        c,
+        '\u{ad}'
+            | '\u{61c}'
+            | '\u{180e}'
+            | '\u{200b}'..='\u{200f}'
+            | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{206f}'
+            | '\u{feff}'
+            | '\u{fff9}'..='\u{fffb}'
+            | '\u{e0000}'..='\u{e007f}'
+    )
 }
 
 fn interface(text: &str) -> Result<(), TextFault> {

@@ -1,6 +1,7 @@
 //! The file that says what a recording is, and what the gateway said of it.
 
 use super::plan::FlightPlan;
+use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::report::jsonl;
 use crate::time::Timestamp;
@@ -22,6 +23,9 @@ pub(super) struct Manifest<'a> {
     configuration: String,
     calibration: Option<String>,
     cylinder: Option<u8>,
+    /// Name of the cylinder, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
     incident: Option<u32>,
     /// When the incident began, or the recording was asked for.
     time: String,
@@ -67,6 +71,9 @@ impl<'a> Manifest<'a> {
             configuration: plan.fingerprints.configuration.to_string(),
             calibration: plan.fingerprints.calibration.map(|it| it.to_string()),
             cylinder: incident.and_then(|it| it.scope.cylinder()),
+            name: incident
+                .and_then(|it| it.scope.cylinder())
+                .and_then(|number| plan.names.of_cylinder(number)),
             incident: incident.map(|it| it.number),
             time: utc(at).map_or_else(String::new, |at| at.to_string()),
             from: number(first),
@@ -74,7 +81,7 @@ impl<'a> Manifest<'a> {
             frames: extent.frames,
             lost: extent.lost,
             complete: extent.complete,
-            lines: told.iter().map(|it| line(first, it)).collect::<io::Result<_>>()?,
+            lines: told.iter().map(|it| line(first, it, &plan.names)).collect::<io::Result<_>>()?,
         })
     }
 
@@ -86,9 +93,9 @@ impl<'a> Manifest<'a> {
     }
 }
 
-fn line(first: Timestamp, incident: &Incident) -> io::Result<Box<RawValue>> {
+fn line(first: Timestamp, incident: &Incident, names: &MachineNames) -> io::Result<Box<RawValue>> {
     let mut line = Vec::new();
-    jsonl::incident(&mut line, first, incident)?;
+    jsonl::incident(&mut line, first, incident, names)?;
     let line = String::from_utf8(line).map_err(io::Error::other)?;
     Ok(RawValue::from_string(line.trim_end().to_owned())?)
 }

@@ -1,6 +1,6 @@
 //! What is recorded, and where to.
 
-use crate::config::{Fingerprints, Loaded, PortableFile};
+use crate::config::{Fingerprints, Loaded, MachineNames, PortableFile};
 use crate::monitor::{DesignChecksum, MonitorDesign};
 use crate::time::Span;
 use std::path::{Path, PathBuf};
@@ -23,6 +23,8 @@ pub struct FlightPlan {
     pub size: u64,
     /// Name of the machine.
     pub machine: String,
+    /// How its cylinders and transducers are called.
+    pub names: MachineNames,
     /// Which configuration the recordings are judged by.
     pub fingerprints: Fingerprints,
     /// Names of the buses, by number.
@@ -46,6 +48,7 @@ impl FlightPlan {
             after: Span::from_seconds(settings.after),
             size: u64::from(settings.size) * 1_000_000,
             machine: loaded.settings.machine.name.clone(),
+            names: loaded.settings.names(),
             fingerprints: loaded.fingerprints(),
             interfaces: loaded.settings.bus.interfaces().map(|(_, name)| name.to_owned()).collect(),
             // It was loaded, so it is TOML.

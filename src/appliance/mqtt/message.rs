@@ -5,6 +5,8 @@ use crate::appliance::telemetry::exposition::TRANSDUCER_STATES;
 use crate::appliance::telemetry::health::HealthReport;
 use crate::appliance::telemetry::lamp::Lamp;
 use crate::appliance::telemetry::snapshot::{CylinderSnapshot, Snapshot};
+use crate::config::MachineNames;
+use crate::sample::Transducer;
 use crate::time::Timestamp;
 use serde::Serialize;
 use std::time::Duration;
@@ -34,6 +36,9 @@ pub(super) struct StateMessage {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct CylinderMessage {
     cylinder: usize,
+    /// What people call it, if the configuration says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
     c1: TransducerMessage,
     c2: TransducerMessage,
     /// |R1|, |R2| and |R3| of the newest cycle, m.
@@ -45,8 +50,11 @@ struct CylinderMessage {
     sigma_m: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 struct TransducerMessage {
+    /// Its tag, if the configuration has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
     state: &'static str,
     lamp: Lamp,
 }
@@ -55,16 +63,18 @@ impl StateMessage {
     /// The state at the uptime `now`, at which it is `at` by the system's clock.
     pub fn new(telemetry: &Telemetry, now: Duration, at: Timestamp) -> Self {
         let Snapshot { level, platform, cycles, uptime, cylinders, .. } = telemetry.snapshot(now);
+        let facts = telemetry.facts();
+        let of = |numbered| CylinderMessage::new(numbered, &facts.names);
         Self {
             online: true,
             at_s: at.as_seconds(),
-            machine: telemetry.facts().name.clone(),
+            machine: facts.name.clone(),
             health: telemetry.health(now),
             level_number: level,
             platform_state: platform,
             uptime_s: uptime.as_secs(),
             cycles,
-            cylinders: (1..).zip(&cylinders).map(CylinderMessage::new).collect(),
+            cylinders: (1..).zip(&cylinders).map(of).collect(),
         }
     }
 
@@ -77,7 +87,8 @@ impl StateMessage {
             it.health.incidents.iter_mut().for_each(|incident| incident.now_m = None);
             (it.health.seconds_since_turn, it.health.seconds_since_frame) = (None, None);
             for of in &mut it.cylinders {
-                *of = CylinderMessage { cylinder: of.cylinder, c1: of.c1, c2: of.c2, ..NO_NUMBERS };
+                let CylinderMessage { r1_m, r2_m, r3_m, estimate_m, sigma_m, .. } = of;
+                [r1_m, r2_m, r3_m, estimate_m, sigma_m].into_iter().for_each(|it| *it = None);
             }
             it
         };
@@ -89,26 +100,19 @@ impl StateMessage {
     }
 }
 
-const NO_NUMBERS: CylinderMessage = CylinderMessage {
-    cylinder: 0,
-    c1: TransducerMessage { state: "", lamp: Lamp::Unknown },
-    c2: TransducerMessage { state: "", lamp: Lamp::Unknown },
-    r1_m: None,
-    r2_m: None,
-    r3_m: None,
-    estimate_m: None,
-    sigma_m: None,
-};
-
 impl CylinderMessage {
-    fn new((number, of): (usize, &CylinderSnapshot)) -> Self {
+    fn new((number, of): (usize, &CylinderSnapshot), names: &MachineNames) -> Self {
         let transducer = |which: usize| TransducerMessage {
+            name: names
+                .of_transducer(number, [Transducer::C1, Transducer::C2][which])
+                .map(str::to_owned),
             state: TRANSDUCER_STATES[of.transducers[which] as usize],
             lamp: of.lamps[which],
         };
         let [r1_m, r2_m, r3_m] = of.residuals;
         Self {
             cylinder: number,
+            name: names.of_cylinder(number).map(str::to_owned),
             c1: transducer(0),
             c2: transducer(1),
             r1_m,

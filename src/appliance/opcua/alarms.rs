@@ -6,6 +6,7 @@ use super::values::date_time;
 use crate::alarm::Level;
 use crate::appliance::telemetry::OpenSlot;
 use crate::appliance::telemetry::snapshot::Snapshot;
+use crate::config::MachineNames;
 use crate::time::Timestamp;
 use opcua::types::{ByteString, NodeId, ObjectTypeId, StatusCode};
 use std::collections::BTreeMap;
@@ -31,7 +32,12 @@ struct Active {
 
 impl Alarms {
     /// What has changed until `now`, at which it is `at` by the system's clock.
-    pub fn changes(&mut self, now: &Snapshot, at: Timestamp, namespace: u16) -> Vec<AlarmEvent> {
+    pub fn changes(
+        &mut self,
+        now: &Snapshot,
+        at: Timestamp,
+        (namespace, names): (u16, &MachineNames),
+    ) -> Vec<AlarmEvent> {
         let mut events = Vec::new();
         let open = (1..).zip(&now.cylinders).flat_map(|(cylinder, it)| {
             it.open.iter().map(move |incident| ((cylinder, incident.number), *incident))
@@ -50,7 +56,7 @@ impl Alarms {
                 true => (StatusCode::Good, "over"),
                 false => (StatusCode::BadNoCommunication, "no longer followed"),
             };
-            let message = format!("{word}: {}", incident.summary(key.0));
+            let message = format!("{word}: {}", incident.summary(key.0, names));
             let (severity, last_severity) = (newest.severity, newest.severity);
             let id = self.identity(at);
             let (time, is_active) = (date_time(at), false);
@@ -74,7 +80,7 @@ impl Alarms {
                 // It begins when it was warned of, and changes now.
                 time: date_time(if known.is_none() { incident.begin } else { at }),
                 received: date_time(at),
-                message: incident.summary(key.0),
+                message: incident.summary(key.0, names),
                 severity,
                 last_severity: known.map_or(severity, |known| known.newest.severity),
                 is_active: true,
@@ -162,7 +168,9 @@ mod tests {
             };
             events.into_iter().map(short).collect()
         };
-        let mut look = |open: &[OpenSlot]| told(alarms.changes(&state(open), at, 3));
+        let mut look = |open: &[OpenSlot]| {
+            told(alarms.changes(&state(open), at, (3, &MachineNames::default())))
+        };
         let named = |number: u32| format!("ns=3;s=cylinder_2_incident_{number}");
         assert_eq!(look(&[]), []);
         let yellow = [incident(4, Level::Yellow)];
@@ -181,8 +189,8 @@ mod tests {
         let mut alarms = Alarms::default();
         let first = incident(1, Level::Red);
         let second = OpenSlot { begin: at, ..first };
-        let opened = alarms.changes(&state(&[first]), at, 3);
-        let changed = alarms.changes(&state(&[second]), at, 3);
+        let opened = alarms.changes(&state(&[first]), at, (3, &MachineNames::default()));
+        let changed = alarms.changes(&state(&[second]), at, (3, &MachineNames::default()));
         let active: Vec<bool> = changed.iter().map(|it| it.is_active).collect();
         assert_eq!(active, [false, true]);
         let ids = [&opened[0].id, &changed[0].id, &changed[1].id];
@@ -195,8 +203,8 @@ mod tests {
     fn an_incident_that_is_not_followed_is_not_called_over() {
         let at = Timestamp::from_nanos(1_700_000_001_000_000_000);
         let mut alarms = Alarms::default();
-        alarms.changes(&state(&[incident(1, Level::Red)]), at, 3);
-        let forgotten = alarms.changes(&Snapshot::unknown(2), at, 3);
+        alarms.changes(&state(&[incident(1, Level::Red)]), at, (3, &MachineNames::default()));
+        let forgotten = alarms.changes(&Snapshot::unknown(2), at, (3, &MachineNames::default()));
         assert_eq!(forgotten[0].quality, StatusCode::BadNoCommunication);
         assert!(forgotten[0].message.starts_with("no longer followed: "), "{forgotten:?}");
     }

@@ -17,7 +17,8 @@ pub(super) async fn watch(source: Source, handle: &ServerHandle) {
     loop {
         interval.tick().await;
         let now = source.telemetry.snapshot(source.clock.uptime());
-        let events = source.alarms.lock().changes(&now, source.clock.system(), namespace);
+        let (facts, at) = (source.telemetry.facts(), source.clock.system());
+        let events = source.alarms.lock().changes(&now, at, (namespace, &facts.names));
         let events = events.iter().map(|event| (event as &dyn Event, &machine));
         handle.subscriptions().notify_events(events);
         let values = values::now(&source, namespace);

@@ -49,7 +49,7 @@ pub(super) fn cylinder(row: &Row<'_>, at: usize) -> rusqlite::Result<Option<u8>>
 
 /// Writes what became of an incident: its event, its present state and a revision.
 pub(super) fn revise(rows: &Rows<'_>, incident: &Incident) -> rusqlite::Result<()> {
-    let text = story::line(incident);
+    let text = story::line(incident, &rows.names);
     let facets = Facets {
         cylinder: incident.scope.cylinder(),
         cylinders: incident.scope.cylinders(),
@@ -145,7 +145,7 @@ fn put(rows: &Rows<'_>, id: i64, incident: &Incident) -> rusqlite::Result<()> {
             worst.map(|(quantity, _)| incident.limits[quantity as usize]),
             detectors.join(" "),
             story::evidence(incident),
-            story::advice(incident),
+            story::advice(incident, &rows.names),
             story::ending(incident),
             incident.named.map(|it| it.at.as_nanos()),
             incident.named.map(|it| it.by_its_end),

@@ -1,5 +1,6 @@
 //! Where and what the store keeps.
 
+use crate::config::MachineNames;
 use crate::time::Timestamp;
 use std::path::PathBuf;
 
@@ -32,6 +33,8 @@ pub struct StorePlan {
     pub days: u32,
     /// Name of the machine.
     pub machine: String,
+    /// How its cylinders and transducers are called.
+    pub names: MachineNames,
     /// Identity of the configuration, see [`crate::config::Fingerprints`].
     pub configuration: String,
     /// Sample time, s.

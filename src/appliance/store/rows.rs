@@ -6,6 +6,7 @@ use super::incident_rows::{self, revise};
 use super::note::{Event, EventKind, Note};
 use super::plan::Plan;
 use crate::alarm::Warning;
+use crate::config::MachineNames;
 use crate::incident::{Cylinders, Incident};
 use crate::monitor::Notice;
 use crate::story;
@@ -28,6 +29,8 @@ pub(super) struct Rows<'a> {
     pub step: &'a Transaction<'a>,
     /// Run of the monitor; 0 before the first.
     pub run: i64,
+    /// How cylinders and transducers are called in that run.
+    pub names: MachineNames,
 }
 
 impl Rows<'_> {
@@ -107,6 +110,7 @@ impl Rows<'_> {
                 Ok((row.get(0)?, row.get(1)?, row.get(2)?))
             })
             .optional()?;
+        self.names.clone_from(&plan.store.names);
         let (at, version) = (plan.at.as_nanos(), env!("CARGO_PKG_VERSION"));
         let (machine, configuration) = (&plan.store.machine, &plan.store.configuration);
         self.step.execute(

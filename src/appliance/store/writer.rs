@@ -12,6 +12,7 @@ use super::vault::Vault;
 use crate::appliance::realtime;
 use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
+use crate::config::MachineNames;
 use rusqlite::{Connection, TransactionBehavior};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -65,6 +66,8 @@ pub(super) struct Writer<'a> {
     plan: Option<Plan>,
     vault: Option<Vault>,
     run: i64,
+    /// How cylinders and transducers are called in that run.
+    names: MachineNames,
     backlog: Backlog,
     /// When the oldest note came that waits.
     since: Option<Instant>,
@@ -85,6 +88,7 @@ impl<'a> Writer<'a> {
             plan: None,
             vault: None,
             run: 0,
+            names: MachineNames::default(),
             backlog: Backlog::default(),
             since: None,
             not_before: None,
@@ -190,7 +194,7 @@ impl<'a> Writer<'a> {
             return;
         }
         match self.attempt() {
-            Ok((run, answers)) => self.succeed(run, answers),
+            Ok(written) => self.succeed(written),
             Err(trouble) => {
                 self.fail(&trouble);
                 self.since = Some(Instant::now());
@@ -198,8 +202,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn attempt(&mut self) -> Result<(i64, Vec<Result<(), ActError>>), Trouble> {
-        let Some(plan) = &self.plan else { return Ok((self.run, Vec::new())) };
+    fn attempt(&mut self) -> Result<Written, Trouble> {
+        let nothing = Written { run: self.run, names: self.names.clone(), answers: Vec::new() };
+        let Some(plan) = &self.plan else { return Ok(nothing) };
         if self.vault.is_none() {
             let vault = Vault::open(&plan.store)?;
             if !vault.knows(self.run)? {
@@ -210,13 +215,14 @@ impl<'a> Writer<'a> {
                 self.backlog.begin_first(plan.clone());
             }
         }
-        let Some(vault) = &mut self.vault else { return Ok((self.run, Vec::new())) };
+        let Some(vault) = &mut self.vault else { return Ok(nothing) };
         let now = self.clock.system();
-        write_all(&mut vault.database, &self.backlog, self.run, now)
+        write_all(&mut vault.database, &self.backlog, (self.run, self.names.clone()), now)
     }
 
-    fn succeed(&mut self, run: i64, answers: Vec<Result<(), ActError>>) {
-        self.run = run;
+    fn succeed(&mut self, written: Written) {
+        let Written { run, names, answers } = written;
+        (self.run, self.names) = (run, names);
         self.telemetry.store_written(self.backlog.len() as u64, self.backlog.lost());
         let mut answers = answers.into_iter();
         for note in self.backlog.clear() {
@@ -312,15 +318,23 @@ fn limits(plan: &Plan) -> Limits {
     Limits { size: plan.store.size, days: plan.store.days }
 }
 
-/// Writes all notes or none, and returns the run and the answers to the acts.
+/// What has been written.
+struct Written {
+    run: i64,
+    names: MachineNames,
+    /// Answers to the acts, in their order.
+    answers: Vec<Result<(), ActError>>,
+}
+
+/// Writes all notes or none.
 fn write_all(
     database: &mut Connection,
     backlog: &Backlog,
-    run: i64,
+    (run, names): (i64, MachineNames),
     now: crate::time::Timestamp,
-) -> Result<(i64, Vec<Result<(), ActError>>), Trouble> {
+) -> Result<Written, Trouble> {
     let step = database.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    let mut rows = Rows { step: &step, run };
+    let mut rows = Rows { step: &step, run, names };
     let mut answers = Vec::new();
     for note in backlog.notes() {
         answers.extend(rows.write(note)?);
@@ -329,7 +343,7 @@ fn write_all(
         rows.lost(backlog.lost(), now)?;
     }
     rows.seen(now)?;
-    let run = rows.run;
+    let Rows { run, names, .. } = rows;
     step.commit()?;
-    Ok((run, answers))
+    Ok(Written { run, names, answers })
 }

@@ -1,5 +1,10 @@
 //! The telemetry in the text format of OpenMetrics, for Prometheus.
 
+mod names;
+mod plain;
+
+pub use plain::{PLAIN_CONTENT_TYPE, plain};
+
 use super::cell::{Histogram, State, Total};
 use super::clock::Clock;
 use super::overview::known;
@@ -12,7 +17,7 @@ use prometheus_client::collector::Collector;
 use prometheus_client::encoding::{DescriptorEncoder, MetricEncoder, NoLabelSet, text};
 use prometheus_client::metrics::MetricType;
 use prometheus_client::registry::{Registry, Unit};
-use std::fmt::{self, Write as _};
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -65,34 +70,6 @@ pub fn exposition(telemetry: &Arc<Telemetry>, clock: &dyn Clock) -> Result<Strin
     Ok(out)
 }
 
-/// Content type of [`plain`], for HTTP.
-pub const PLAIN_CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
-
-/// `text` of OpenMetrics in the older format of Prometheus, for clients that do not accept OpenMetrics: there is no
-/// type *info*, counters are described by the name of their samples, and there are no units.
-pub fn plain(text: &str) -> String {
-    let mut plain = String::with_capacity(text.len());
-    let mut help = "";
-    for line in text.lines() {
-        let mut words = line.splitn(4, ' ');
-        match [(); 4].map(|()| words.next().unwrap_or_default()) {
-            ["#", "EOF" | "UNIT", ..] => {}
-            // The type comes after it, and says how the family is called.
-            ["#", "HELP", _, text] => help = text,
-            ["#", "TYPE", name, kind] => {
-                let (suffix, kind) = match kind {
-                    "counter" => ("_total", kind),
-                    "info" => ("_info", "gauge"),
-                    _ => ("", kind),
-                };
-                _ = write!(plain, "# HELP {name}{suffix} {help}\n# TYPE {name}{suffix} {kind}\n");
-            }
-            _ => _ = writeln!(plain, "{line}"),
-        }
-    }
-    plain
-}
-
 /// The telemetry at one time.
 #[derive(Debug)]
 struct View {
@@ -106,6 +83,7 @@ impl Collector for View {
         let out = &mut Out(&mut encoder);
         self.totals(out)?;
         self.bus(out)?;
+        self.names(out)?;
         self.cylinders(out)?;
         self.verdicts(out)?;
         self.stops(out)?;

@@ -2,6 +2,7 @@
 
 use super::cell::{Gauge, Total};
 use crate::alarm::Level;
+use crate::config::MachineNames;
 use crate::incident::{
     Cylinders, Incident, MOST_AT_ONCE, Naming, Progress, QUANTITIES, Quantity, Scope,
 };
@@ -78,10 +79,16 @@ pub struct OpenIncident {
     pub number: u32,
     /// Its cylinder; `None` for what is the machine's.
     pub cylinder: Option<usize>,
+    /// Name of the cylinder, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// The cylinders that an incident of the machine concerns.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cylinders: Vec<u8>,
     pub suspect: &'static str,
+    /// Name of the transducer that is suspected, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub suspect_name: Option<String>,
     /// Time stamp at which the suspect was named, s; `null` while it is undecided.
     pub named: Option<f64>,
     /// Whether the end of the fault named it.
@@ -117,10 +124,10 @@ impl OpenSlot {
     }
 
     /// In words: `cylinder 5, C1, black: growing error, C1 − C2 up to 65.8 mm (limit 50.0 mm)`.
-    pub fn summary(&self, cylinder: usize) -> String {
+    pub fn summary(&self, cylinder: usize, names: &MachineNames) -> String {
         let of = match self.is_of_machine() {
             true => story::of_machine(self.cylinders),
-            false => story::of_cylinder(cylinder, story::whom(self.suspect, self.is_alone)),
+            false => story::of_cylinder(names, cylinder, (self.suspect, self.is_alone)),
         };
         let worst = self.worst.map(|it| story::largest(it.quantity, it.peak, it.limit));
         story::line_of((of, self.level), story::naming(self.begin, self.named), self.kind(), worst)
@@ -231,12 +238,17 @@ impl Incidents {
         &self,
         cylinder: usize,
         now: [Option<f64>; QUANTITIES],
+        names: &MachineNames,
     ) -> impl Iterator<Item = OpenIncident> {
         self.slots().map(move |open| OpenIncident {
             number: open.number,
             cylinder: Some(cylinder).filter(|_| !open.is_of_machine()),
+            name: names.of_cylinder(cylinder).map(str::to_owned),
             cylinders: open.cylinders.numbers().collect(),
             suspect: open.suspect.name(),
+            suspect_name: story::transducer(open.suspect)
+                .and_then(|it| names.of_transducer(cylinder, it))
+                .map(str::to_owned),
             named: open.named.map(|it| it.at.as_seconds()),
             named_by_its_end: open.named.map(|it| it.by_its_end),
             level: open.level.name(),
@@ -247,7 +259,7 @@ impl Incidents {
             peak_m: open.worst.map(|it| it.peak),
             now_m: open.worst.and_then(|it| now[it.quantity as usize]),
             limit_m: open.worst.map(|it| it.limit),
-            summary: open.summary(cylinder),
+            summary: open.summary(cylinder, names),
         })
     }
 }

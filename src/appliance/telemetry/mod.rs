@@ -25,6 +25,7 @@ pub mod trend;
 
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::bus::socket::{ControllerState, LinkState};
+use crate::config::MachineNames;
 use crate::incident::{QUANTITIES, Quantity};
 use crate::time::Timestamp;
 use cell::{Gauge, Histogram, State, Total};
@@ -123,6 +124,9 @@ struct Link {
 pub struct MachineFacts {
     /// Name of the machine.
     pub name: String,
+    /// How its cylinders and transducers are called.
+    #[serde(skip_serializing_if = "MachineNames::is_empty")]
+    pub names: MachineNames,
     /// File of the configuration.
     pub configuration: String,
     /// Identity of the configuration with its DBC ([`crate::config::Fingerprints`]).
@@ -262,11 +266,13 @@ impl Telemetry {
     /// The incidents that are not closed, the worst first, at the uptime `now`.
     fn incidents(&self, now: Duration) -> Vec<OpenIncident> {
         let evidence = self.has_evidence(now);
+        let facts = self.facts();
+        let names = &facts.names;
         let open = (1..).zip(self.cylinders()).flat_map(|(number, cylinder)| {
             let quantities = cylinder.quantities().map(|value| value.filter(|_| evidence));
-            cylinder.incidents.open(number, quantities)
+            cylinder.incidents.open(number, quantities, names)
         });
-        let shared = self.shared.open(0, [None; QUANTITIES]);
+        let shared = self.shared.open(0, [None; QUANTITIES], names);
         let mut open: Vec<OpenIncident> = open.chain(shared).collect();
         let level =
             |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);

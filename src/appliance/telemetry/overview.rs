@@ -7,6 +7,8 @@ use super::lamp::Lamp;
 use super::stops::Drifting;
 use super::{Cylinder, EVIDENCE, NO_STATE, OpenIncident, Telemetry, trend};
 use crate::alarm::status::Health;
+use crate::config::MachineNames;
+use crate::sample::Transducer;
 use crate::time::Timestamp;
 use serde::Serialize;
 use std::sync::atomic::Ordering;
@@ -29,6 +31,9 @@ pub struct Overview {
 pub struct CylinderOverview {
     /// Counted from 1.
     pub number: usize,
+    /// What people call it, if the configuration says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Those of C1 and C2.
     pub transducers: [TransducerOverview; 2],
     /// Largest |R1|, |R2| and |R3| in the newest bin of the trend and cycle; `null` without evidence.
@@ -44,6 +49,9 @@ pub struct CylinderOverview {
 /// State of one transducer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TransducerOverview {
+    /// Its tag, if the configuration has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     pub lamp: Lamp,
     /// Words for it, with the reason where there is one.
     pub words: String,
@@ -60,7 +68,8 @@ impl Telemetry {
     pub fn overview(&self, now: Duration, time: Timestamp) -> Overview {
         let health = self.health(now);
         let evidence = self.has_evidence(now);
-        let view = |(number, cylinder)| self.cylinder(number, cylinder, evidence, &health);
+        let facts = self.facts();
+        let view = |numbered| self.cylinder(numbered, evidence, &health, &facts.names);
         let cylinders = (1..).zip(self.cylinders()).map(view).collect();
         let platform = Some(self.platform.load(Ordering::Relaxed)).filter(|_| evidence);
         let platform = platform.filter(|number| *number != NO_STATE).map(|it| self.platform(it));
@@ -76,10 +85,10 @@ impl Telemetry {
 
     fn cylinder(
         &self,
-        number: usize,
-        cylinder: &Cylinder,
+        (number, cylinder): (usize, &Cylinder),
         evidence: bool,
         health: &HealthReport,
+        names: &MachineNames,
     ) -> CylinderOverview {
         let now = |gauge: &Gauge| gauge.get().filter(|_| evidence);
         let second = known(State::get(&cylinder.transducers[1]), evidence);
@@ -91,7 +100,9 @@ impl Telemetry {
             let drifts = health.drifting.iter().any(is);
             let lamp = Lamp::new(state, idle, drifts);
             let reading = &cylinder.stop.readings[which];
+            let tag = names.of_transducer(number, [Transducer::C1, Transducer::C2][which]);
             TransducerOverview {
+                name: tag.map(str::to_owned),
                 lamp,
                 words: words(lamp, (number, TRANSDUCERS[which]), is_alone, health),
                 drift_mm_per_month: reading.drift.get().map(|drift| drift * 1e3),
@@ -101,6 +112,7 @@ impl Telemetry {
         };
         CylinderOverview {
             number,
+            name: names.of_cylinder(number).map(str::to_owned),
             transducers: [transducer(0), transducer(1)],
             residuals_mm: cylinder
                 .lately()

@@ -2,7 +2,7 @@
 
 use super::super::machine::Machine;
 use super::objects;
-use crate::config::Settings;
+use crate::config::{MachineNames, Settings};
 use crate::frame::BusNumber;
 use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
@@ -12,6 +12,7 @@ use crate::sample::Transducer;
 /// A block for each cylinder that is judged as no other one is. Of others there is one block for all that are alike,
 /// and then for each of them the lines that are its own.
 pub(super) fn describe(machine: &Machine) -> String {
+    let names = machine.loaded.settings.names();
     let mut groups: Vec<(String, Vec<u8>)> = Vec::new();
     for n in 1..=machine.loaded.settings.machine.cylinders {
         let judged = judged(machine, n);
@@ -21,20 +22,31 @@ pub(super) fn describe(machine: &Machine) -> String {
         }
     }
     let blocks = groups.iter().map(|(judged, alike)| match alike.as_slice() {
-        [n] => format!("\ncylinder {n}\n{}{judged}", read(machine, *n)),
+        [n] => format!("\n{}\n{}{judged}", names.cylinder(*n), read(machine, &names, *n)),
         alike => {
-            let each = alike.iter().map(|n| format!("cylinder {n}\n{}", read(machine, *n)));
+            let each = alike
+                .iter()
+                .map(|n| format!("{}\n{}", names.cylinder(*n), read(machine, &names, *n)));
             format!("\ncylinders {}\n{judged}\n{}", numbers(alike), each.collect::<String>())
         }
     });
     blocks.collect()
 }
 
-/// The frames, objects and devices of cylinder `n`.
-fn read(machine: &Machine, n: u8) -> String {
-    identifiers(n, machine.design.subscriptions.all())
+/// The tags, frames, objects and devices of cylinder `n`.
+fn read(machine: &Machine, names: &MachineNames, n: u8) -> String {
+    tags(names, n)
+        + &identifiers(n, machine.design.subscriptions.all())
         + &objects::of_cylinder(machine, n)
         + &objects::devices(machine, n)
+}
+
+/// How the transducers of cylinder `n` are called; empty where they have numbers alone.
+fn tags(names: &MachineNames, n: u8) -> String {
+    let named = [Transducer::C1, Transducer::C2].into_iter();
+    let named = named.filter(|it| names.of_transducer(n, *it).is_some());
+    let named: Vec<String> = named.map(|it| names.transducer(n, it)).collect();
+    if named.is_empty() { String::new() } else { format!("  names     {}\n", named.join(", ")) }
 }
 
 /// The model, the observers and the comparator of cylinder `n`, and its estimate.

@@ -3,6 +3,7 @@
 use crate::appliance::telemetry::feed::TrendRow;
 use crate::appliance::telemetry::lamp::Lamp;
 use crate::appliance::telemetry::trend::QUANTITIES;
+use crate::config::MachineNames;
 use serde::Deserialize;
 
 /// Watches a machine.
@@ -33,6 +34,9 @@ pub enum News {
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct WatchedMachine {
     pub name: String,
+    /// How its cylinders and transducers are called; a gateway leaves it out where they have no names.
+    #[serde(default)]
+    pub names: MachineNames,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m; `None` where there is no such
     /// quantity.
     pub limits_m: Vec<Vec<Option<f64>>>,

@@ -2,6 +2,7 @@
 
 use super::news::{News, Sizes, WatchedCylinder, WatchedMachine, WatchedOverview};
 use crate::appliance::telemetry::lamp::Lamp;
+use crate::config::MachineNames;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -106,6 +107,11 @@ impl Picture {
             cylinder.unwrap_or_else(|| WatchedCylinder { number, ..WatchedCylinder::default() })
         };
         (1..=count).map(of).collect()
+    }
+
+    /// How cylinders and transducers are called.
+    pub const fn names(&self) -> &MachineNames {
+        &self.machine.names
     }
 
     /// Limits of R1, R2 and R3 of a cylinder, m.

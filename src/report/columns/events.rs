@@ -4,6 +4,7 @@ use super::column::{Cells, TableColumn, TableRow};
 use super::seconds;
 use crate::alarm::register::DETECTORS;
 use crate::alarm::{Evidence, Warning};
+use crate::config::MachineNames;
 use crate::incident::{Excursion, Incident, Quantity};
 use crate::report::device::{DeviceFields, EmergencyFields};
 use crate::sequential::Dwell;
@@ -20,11 +21,13 @@ pub struct WarningRow {
 }
 
 /// An incident that was opened, revised or closed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct IncidentRow {
     /// As [`WarningRow::begin`].
-    pub begin: Timestamp,
-    pub incident: Incident,
+    begin: Timestamp,
+    incident: Incident,
+    /// In words.
+    summary: String,
 }
 
 /// A dwell on a mechanical stop.
@@ -105,6 +108,11 @@ impl TableRow for WarningRow {
 }
 
 impl IncidentRow {
+    /// The row of `incident`, of recordings whose first frame has the time stamp `begin`.
+    pub fn new(begin: Timestamp, incident: &Incident, names: &MachineNames) -> Self {
+        Self { begin, incident: *incident, summary: story::line(incident, names) }
+    }
+
     fn since(&self, at: Timestamp) -> Option<f64> {
         seconds(at.since(self.begin))
     }
@@ -159,7 +167,7 @@ impl TableRow for IncidentRow {
         "peak_r3", "m", Number, "the largest R3", |it| it.peak(Quantity::R3);
         "peak_c1_c2", "m", Number, "the largest C1 − C2 beyond the machine's limit", |it| it.peak(Quantity::Measured);
         "detectors", "", Text, "those that were raised, with commas", |it| Some(it.detectors().into());
-        "summary", "", Text, "in words", |it| Some(story::line(&it.incident).into());
+        "summary", "", Text, "in words", |it| Some(it.summary.clone().into());
         "evidence", "", Text, "why, in words", |it| Some(story::evidence(&it.incident).into());
     };
 

@@ -3,6 +3,7 @@
 use super::column::{Cells, TableColumn, TableRow};
 use super::events::{columns, word};
 use super::seconds;
+use crate::config::MachineNames;
 use crate::monitor::Notice;
 use crate::report::notice::NoticeFields;
 use crate::report::wording;
@@ -19,9 +20,9 @@ pub struct NoticeRow {
 
 impl NoticeRow {
     /// The row of `notice`, of recordings whose first frame has the time stamp `begin`.
-    pub fn new(begin: Timestamp, notice: &Notice) -> Self {
+    pub fn new(begin: Timestamp, notice: &Notice, names: &MachineNames) -> Self {
         let fields = NoticeFields::from(notice);
-        let [_, summary] = wording::notice(begin, notice);
+        let [_, summary] = wording::notice(begin, notice, names);
         Self { since: fields.at.since(begin), fields, summary }
     }
 }
@@ -100,13 +101,14 @@ mod tests {
     fn rows_have_what_the_lines_have_and_say_it_in_words() {
         let begin = Timestamp::from_nanos(1_700_000_000_000_000_001);
         let at = begin.after(Span::from_nanos(500_000_000));
+        let names = MachineNames::default();
         for notice in notices(at) {
             let mut line = Vec::new();
-            jsonl::notice(&mut line, begin, &notice).expect("it is memory");
+            jsonl::notice(&mut line, begin, &notice, &names).expect("it is memory");
             let mut line: Map<String, Value> = serde_json::from_slice(&line).expect("JSON");
             line.remove("type");
             line.insert("timestamp".to_owned(), at.as_nanos().into());
-            let row = NoticeRow::new(begin, &notice);
+            let row = NoticeRow::new(begin, &notice, &names);
             let mut cells = column::cells(&row);
             let words = cells.remove("summary").expect("words");
             assert!(words.as_str().is_some_and(|it| it.len() > 10), "{words}");

@@ -1,7 +1,9 @@
 //! The line of an incident.
 
+use super::named::NameFields;
 use super::{Digits, digits, write_line};
 use crate::alarm::register::DETECTORS;
+use crate::config::MachineNames;
 use crate::incident::{Incident, Quantity, Scope};
 use crate::story;
 use crate::time::Timestamp;
@@ -18,6 +20,8 @@ struct IncidentLine<'a> {
     state: &'static str,
     /// `null` for what is the machine's; then `cylinders` has those that it concerns.
     cylinder: Option<u8>,
+    #[serde(flatten)]
+    names: NameFields<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     cylinders: Option<Vec<u8>>,
     level: &'static str,
@@ -58,7 +62,12 @@ struct DetectorFields {
 ///
 /// # Errors
 /// Errors of `out`.
-pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> io::Result<()> {
+pub fn incident(
+    out: &mut impl Write,
+    first: Timestamp,
+    incident: &Incident,
+    names: &MachineNames,
+) -> io::Result<()> {
     let since = |at: Timestamp| digits(at.since(first));
     let worst = incident.worst();
     let peaks = Quantity::ALL.into_iter().zip(incident.peaks);
@@ -80,6 +89,7 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
             incident: incident.number,
             state: incident.progress.name(),
             cylinder: incident.scope.cylinder(),
+            names: NameFields::new(names, incident.scope.cylinder(), incident.suspect),
             cylinders: match incident.scope {
                 Scope::Cylinder(_) => None,
                 Scope::Machine(cylinders) => Some(cylinders.numbers().collect()),
@@ -105,7 +115,7 @@ pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> 
                 .filter_map(|(quantity, peak)| Some((quantity.name(), peak?.value)))
                 .collect(),
             detectors: parts.collect(),
-            summary: &story::line(incident),
+            summary: &story::line(incident, names),
             evidence: &story::evidence(incident),
         },
     )

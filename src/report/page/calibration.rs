@@ -8,8 +8,8 @@ use super::figure::{Band, Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
-use crate::config::Fingerprints;
 use crate::extremes::four_digits;
+use crate::report::ReadWith;
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
 use plotters::style::RGBColor;
@@ -22,7 +22,7 @@ pub fn page(
     result: &Calibration,
     differences: &Differences,
     configured: f64,
-    with: &Fingerprints,
+    with: &ReadWith,
 ) -> String {
     let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
     page.paragraph(&format!("{} with {with}", result.inputs));

@@ -5,7 +5,7 @@ use super::figure::{Curve, Figure, Panel, WIDE};
 use super::html::capitalised;
 use super::{Differences, Page, calibration, identification, palette, tuning};
 use crate::commission::Commissioned;
-use crate::config::Fingerprints;
+use crate::report::ReadWith;
 use crate::report::commission as text;
 
 /// The whole page, with the `differences` of its calibration if there is one; the recordings were read with the
@@ -14,7 +14,7 @@ pub fn page(
     result: &Commissioned,
     differences: Option<&Differences>,
     configured: f64,
-    with: &Fingerprints,
+    with: &ReadWith,
 ) -> String {
     let mut page = Page::new("commission", &format!("Commissioning: {}", result.machine));
     let verdict = &result.verdict;

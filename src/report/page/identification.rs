@@ -5,10 +5,10 @@ use super::curves;
 use super::figure::{Curve, Figure, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
-use crate::config::Fingerprints;
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Outcome};
 use crate::identify::validate::{Shown, Trials};
+use crate::report::ReadWith;
 use crate::report::identification as text;
 
 /// Length of the excerpt that shows single cycles, s.
@@ -19,7 +19,7 @@ const TIME: &str = "time since the first frame";
 type Captioned = (Figure, String);
 
 /// The whole page; the recordings were read with the configuration `with`.
-pub fn page(outcome: &Outcome, with: &Fingerprints) -> String {
+pub fn page(outcome: &Outcome, with: &ReadWith) -> String {
     let mut page = Page::new("identify", &format!("Identification: {}", outcome.machine));
     page.paragraph(&format!("{} with {with}", outcome.inputs));
     page.verdict(&text::verdict(outcome));

@@ -5,6 +5,7 @@ use super::figure::Figure;
 use super::html::escaped;
 use super::zoom::Zoom;
 use crate::alarm::Level;
+use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::report::human::Heading;
 use crate::report::{Summary, wording};
@@ -35,7 +36,7 @@ pub fn section(
         return;
     }
     page.heading("Incidents");
-    table(page, heading, &all);
+    table(page, heading, &all, summary.names);
     let left_out = summary.incidents.left_out();
     if left_out > 0 {
         page.paragraph(&format!("… and {left_out} milder ones; --format jsonl gives them all"));
@@ -46,7 +47,7 @@ pub fn section(
             |zoom: &Zoom| zoom.warnings.iter().any(|(order, _)| is_of(incident, *order, summary));
         let (own, others) = figures.into_iter().partition(|(zoom, ..)| shows(zoom));
         figures = others;
-        one(page, heading, incident, own);
+        one(page, (heading, summary.names), incident, own);
     }
     if !figures.is_empty() {
         page.heading("Around other warnings");
@@ -66,18 +67,18 @@ fn is_of(incident: &Incident, order: usize, summary: &Summary<'_>) -> bool {
 
 fn one(
     page: &mut Page,
-    heading: &Heading<'_>,
+    (heading, names): (&Heading<'_>, &MachineNames),
     incident: &Incident,
     figures: Vec<(&Zoom, Figure, String)>,
 ) {
-    let title = wording::capitalised(&story::line(incident));
+    let title = wording::capitalised(&story::line(incident, names));
     let (number, badge) = (incident.number, badge(incident.level));
     page.raw(&format!(
         "<section class=\"incident\" id=\"incident-{number}\" aria-labelledby=\"title-{number}\">\n\
          <h3 id=\"title-{number}\">{badge} {}</h3>\n",
         escaped(&title)
     ));
-    for sentence in wording::incident_story(heading.zone, incident) {
+    for sentence in wording::incident_story(heading.zone, incident, names) {
         page.paragraph(&sentence);
     }
     if !figures.is_empty() {
@@ -86,7 +87,7 @@ fn one(
     page.raw("<p class=\"back\"><a href=\"#incidents\">All incidents</a></p>\n</section>\n");
 }
 
-fn table(page: &mut Page, heading: &Heading<'_>, incidents: &[&Incident]) {
+fn table(page: &mut Page, heading: &Heading<'_>, incidents: &[&Incident], names: &MachineNames) {
     let mut html =
         "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Incidents\">\n\
                     <table>\n<thead><tr>"
@@ -97,7 +98,7 @@ fn table(page: &mut Page, heading: &Heading<'_>, incidents: &[&Incident]) {
     html += "</tr></thead>\n<tbody>\n";
     for incident in incidents {
         let [at, cylinder, suspect, _, what, largest, lasted] =
-            wording::incident_row(heading.zone, incident).map(|cell| escaped(&cell));
+            wording::incident_row(heading.zone, incident, names).map(|cell| escaped(&cell));
         let (number, badge) = (incident.number, badge(incident.level));
         _ = writeln!(
             html,

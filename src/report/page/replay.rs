@@ -8,6 +8,7 @@ use super::zoom::Zoom;
 use super::{Page, histogram::Histogram, incidents, stops};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
+use crate::config::MachineNames;
 use crate::report::human::{self, Heading, Notices};
 use crate::report::{Summary, verdict, wording};
 
@@ -56,10 +57,10 @@ pub fn page(
         page.table(&wording::PROCESS_COLUMNS, &known);
     }
     stops::section(&mut page, summary.stops);
-    over_time(&mut page, recorded);
-    histograms(&mut page, recorded);
+    over_time(&mut page, summary, recorded);
+    histograms(&mut page, summary, recorded);
     warnings(&mut page, heading, summary);
-    noticed(&mut page, heading, notices);
+    noticed(&mut page, heading, summary, notices);
     let bad = human::what_was_bad(summary);
     if !bad.is_empty() {
         page.heading("What could not be read");
@@ -68,9 +69,10 @@ pub fn page(
     page.finish()
 }
 
-fn over_time(page: &mut Page, recorded: &Recorded) {
+fn over_time(page: &mut Page, summary: &Summary<'_>, recorded: &Recorded) {
+    let figure = |(n, it)| residuals((n, summary.names), it, recorded);
     let figures: Vec<(Figure, String)> =
-        (1..).zip(&recorded.cylinders).filter_map(|(n, it)| residuals(n, it, recorded)).collect();
+        (1..).zip(&recorded.cylinders).filter_map(figure).collect();
     if figures.is_empty() {
         return;
     }
@@ -96,8 +98,12 @@ fn mm(metres: f64) -> f64 {
     metres * 1e3
 }
 
-fn residuals(number: u8, cylinder: &Gathered, recorded: &Recorded) -> Option<(Figure, String)> {
-    let mut caption = format!("Cylinder {number}: residuals");
+fn residuals(
+    (number, names): (u8, &MachineNames),
+    cylinder: &Gathered,
+    recorded: &Recorded,
+) -> Option<(Figure, String)> {
+    let mut caption = format!("{}: residuals", wording::capitalised(&names.cylinder(number)));
     let mut panels = Vec::new();
     for (i, name) in RESIDUALS.into_iter().enumerate() {
         match cylinder.residuals.extremes(i) {
@@ -217,14 +223,14 @@ fn around_warnings(
 }
 
 fn zoom_caption(zoom: &Zoom, heading: &Heading<'_>, summary: &Summary<'_>) -> String {
-    let mut caption = format!("Cylinder {}", zoom.cylinder);
+    let mut caption = wording::capitalised(&summary.names.cylinder(zoom.cylinder));
     if let Some((_, t)) = zoom.warnings.first() {
         caption += &format!(" at {}", wording::clock(*t));
     }
     for (order, t) in &zoom.warnings {
         caption += &match summary.episodes.kept().get(*order) {
             Some(episode) => {
-                format!("\n{}", wording::episode_line(heading.zone.first(), episode))
+                format!("\n{}", wording::episode_line(heading.zone.first(), episode, summary.names))
             }
             None => format!("\n{}: one more", wording::clock(*t)),
         };
@@ -296,8 +302,9 @@ fn residual_around(zoom: &Zoom, i: usize, bounds: Bounds) -> Panel {
     thresholds(Panel::new(95, y, vec![curve]), i, bounds)
 }
 
-fn histograms(page: &mut Page, recorded: &Recorded) {
-    let figures: Vec<(Figure, String)> = (0..3).filter_map(|i| distribution(i, recorded)).collect();
+fn histograms(page: &mut Page, summary: &Summary<'_>, recorded: &Recorded) {
+    let figures: Vec<(Figure, String)> =
+        (0..3).filter_map(|i| distribution(i, summary.names, recorded)).collect();
     if figures.is_empty() {
         return;
     }
@@ -306,7 +313,7 @@ fn histograms(page: &mut Page, recorded: &Recorded) {
 }
 
 /// Histograms of one residual, for all cylinders together and for each.
-fn distribution(i: usize, recorded: &Recorded) -> Option<(Figure, String)> {
+fn distribution(i: usize, names: &MachineNames, recorded: &Recorded) -> Option<(Figure, String)> {
     let bounds = recorded.cylinders.first()?.bounds[i];
     let mut all = Histogram::new(bounds.high);
     let judged = |cylinder: &&Gathered| cylinder.histograms[i].count() > 0;
@@ -318,7 +325,7 @@ fn distribution(i: usize, recorded: &Recorded) -> Option<(Figure, String)> {
     for (n, cylinder) in (1..).zip(&recorded.cylinders) {
         if judged(&cylinder) && alike(&cylinder) {
             all.merge(&cylinder.histograms[i]);
-            let name = format!("cylinder {n}");
+            let name = names.cylinder(n);
             let curve = Curve::line(&name, palette::cylinder(n), steps(&cylinder.histograms[i]));
             curves.push(curve.shaped(Shape::Steps));
         }
@@ -353,7 +360,7 @@ fn warnings(page: &mut Page, heading: &Heading<'_>, summary: &Summary<'_>) {
         return;
     }
     page.heading("Warnings");
-    let row = |episode| wording::episode_row(heading.zone.first(), episode).to_vec();
+    let row = |episode| wording::episode_row(heading.zone.first(), episode, summary.names).to_vec();
     let rows: Vec<Vec<String>> = episodes.kept().iter().map(row).collect();
     page.folded(&wording::warnings(summary), |page| page.table(&wording::EPISODE_COLUMNS, &rows));
     if episodes.left_out() > 0 {
@@ -362,12 +369,12 @@ fn warnings(page: &mut Page, heading: &Heading<'_>, summary: &Summary<'_>) {
     }
 }
 
-fn noticed(page: &mut Page, heading: &Heading<'_>, notices: &Notices) {
+fn noticed(page: &mut Page, heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) {
     if notices.kept().is_empty() {
         return;
     }
     page.heading("Noticed");
-    let row = |notice| wording::notice(heading.zone.first(), notice).to_vec();
+    let row = |notice| wording::notice(heading.zone.first(), notice, summary.names).to_vec();
     let rows: Vec<Vec<String>> = notices.kept().iter().map(row).collect();
     page.table(&["at", "what"], &rows);
     if notices.left_out() > 0 {

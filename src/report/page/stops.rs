@@ -4,7 +4,8 @@ use super::Page;
 use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel};
 use super::palette;
-use crate::report::stops::{self, Stop, Stops, TRANSDUCERS};
+use crate::report::stops::{Stop, Stops, TRANSDUCERS, sentence};
+use crate::report::wording;
 use crate::sequential::Dwell;
 
 const DAY: f64 = 86_400.0;
@@ -32,18 +33,19 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     );
     page.table(&stops.columns(), &stops.rows());
     let figures: Vec<(Figure, String)> =
-        stops.stops.iter().filter_map(|stop| figure(stop, stops.limits.maintenance)).collect();
+        stops.stops.iter().filter_map(|stop| figure(stop, stops)).collect();
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// Moves of the readings of one cylinder, whose limit is `limit`, m; `None` with too few dwells.
-fn figure(stop: &Stop<'_>, limit: f64) -> Option<(Figure, String)> {
-    let history = stop.history;
+/// Moves of the readings of one cylinder; `None` with too few dwells.
+fn figure(stop: &Stop<'_>, stops: &Stops<'_>) -> Option<(Figure, String)> {
+    let (history, limit) = (stop.history, stops.limits.maintenance);
     let (first, newest) = (history.dwells().first()?.at, history.dwells().last()?);
     let seconds = |dwell: &Dwell| dwell.at.since(first).as_seconds();
     let days = seconds(newest) / DAY > FEW_DAYS;
     let unit = if days { DAY } else { 1.0 };
-    let mut caption = format!("Cylinder {}: readings on the stop", stop.cylinder);
+    let cylinder = wording::capitalised(&stops.names.cylinder(stop.cylinder));
+    let mut caption = format!("{cylinder}: readings on the stop");
     let mut curves = Vec::new();
     for (which, colour) in [palette::BLUE, palette::VERMILION].into_iter().enumerate() {
         let (trend, name) = (history.trend(which)?, TRANSDUCERS[which]);
@@ -53,10 +55,8 @@ fn figure(stop: &Stop<'_>, limit: f64) -> Option<(Figure, String)> {
         let points: Vec<(f64, f64)> = history.dwells().iter().map(point).collect();
         curves.push(Curve::line(name, colour, points.clone()));
         curves.push(Curve::dots(name, colour, points));
-        caption += &format!(
-            "\n{name}: {}",
-            stops::sentence(&trend, limit, stop.until(which, &trend, limit))
-        );
+        caption +=
+            &format!("\n{name}: {}", sentence(&trend, limit, stop.until(which, &trend, limit)));
     }
     let values = curves.iter().flat_map(Curve::values).chain([-LEAST, LEAST]);
     let y = Axis::over("moved (mm)", values).with_ticks(5);

@@ -4,9 +4,9 @@ use super::axis::Axis;
 use super::figure::{Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
-use crate::config::Fingerprints;
 use crate::extremes::four_digits;
 use crate::extremes::{Tail, per_second};
+use crate::report::ReadWith;
 use crate::report::tuning as text;
 use crate::tables::tuning::length;
 use crate::tune::{Detector, Tuning};
@@ -25,7 +25,7 @@ const FAR: f64 = 12.0;
 const HOUR: f64 = 3600.0;
 
 /// The whole page; the recordings were read with the configuration `with`.
-pub fn page(result: &Tuning, with: &Fingerprints) -> String {
+pub fn page(result: &Tuning, with: &ReadWith) -> String {
     let mut page = Page::new("tune", &format!("Tuning: {}", result.machine));
     page.paragraph(&format!("{} with {with}", result.inputs));
     page.verdict(&text::verdict(result));

@@ -6,7 +6,7 @@ use super::trial::{FalseAlarm, Trial};
 use std::fmt;
 use tertius_config::design::{self, Flaw};
 use tertius_config::settings::Settings;
-use tertius_config::{self as config, edit};
+use tertius_config::{self as config, MachineNames, edit};
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::verdict::Fault;
 use tertius_learn::calibrate;
@@ -48,9 +48,11 @@ pub struct Refused {
 }
 
 /// Result of the stages.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Taught {
     pub machine: String,
+    /// How its cylinders are called.
+    pub names: MachineNames,
     /// Text of the configuration with all tables up to the stage that failed.
     pub text: String,
     pub identification: Option<Outcome>,
@@ -154,15 +156,7 @@ impl<F: Frames> Lesson<'_, F> {
     /// # Errors
     /// The frames' own.
     pub fn teach(&self, cuts: &Cuts, mut tell: impl FnMut(Stage)) -> Result<Taught, F::Error> {
-        let mut taught = Taught {
-            machine: String::new(),
-            text: self.task.text.to_owned(),
-            identification: None,
-            calibration: None,
-            tuning: None,
-            refused: Vec::new(),
-            failed: None,
-        };
+        let mut taught = Taught { text: self.task.text.to_owned(), ..Taught::default() };
         tell(Stage::Identify);
         let mut result = self.identify(&mut taught, cuts);
         if result.is_ok() {
@@ -188,6 +182,7 @@ impl<F: Frames> Lesson<'_, F> {
         let failed = |why| Stopped::Failed(Stage::Identify, why);
         let (settings, design) = self.machine(taught).map_err(failed)?;
         taught.machine.clone_from(&settings.machine.name);
+        taught.names = settings.names();
         // What it is worth is tried by the monitor, on blocks that were left out: nothing more is held back.
         let (origin, options) = (self.task.origin, Options { held_back: 0, ..Options::default() });
         let course =
@@ -339,15 +334,7 @@ mod tests {
             supply: Some(Err(ProcessRefusal::Undetermined)),
             remarks: Vec::new(),
         };
-        let mut taught = Taught {
-            machine: String::new(),
-            text,
-            identification: None,
-            calibration: Some(calibration),
-            tuning: None,
-            refused: Vec::new(),
-            failed: None,
-        };
+        let mut taught = Taught { text, calibration: Some(calibration), ..Taught::default() };
         let alarm = |cylinder, fault| FalseAlarm {
             t: 61.25,
             cylinder,

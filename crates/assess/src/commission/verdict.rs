@@ -4,6 +4,7 @@ use super::faults::FaultKind;
 use super::stages::{Refused, Stage, Taught};
 use super::trial::{KindResult, Trial};
 use crate::evaluate::poisson_upper;
+use tertius_config::MachineNames;
 use tertius_learn::extremes::HOURS_PER_YEAR;
 
 /// Whether the configuration can be used.
@@ -47,7 +48,8 @@ impl Verdict {
     /// blocks held back (`rehearsed`), and the `trial` of the latter.
     pub fn of(taught: &Taught, rehearsed: Option<&Taught>, trial: Option<&Trial>) -> Self {
         let refused = taught.refused_cylinders();
-        let mut reasons: Vec<String> = taught.refused.iter().map(told).collect();
+        let mut reasons: Vec<String> =
+            taught.refused.iter().map(|it| told(it, &taught.names)).collect();
         let mut advice = Vec::new();
         let unfit = match (&taught.failed, trial) {
             (Some((_, why)), _) if taught.told_too_short().as_ref() == Some(why) => {
@@ -68,7 +70,7 @@ impl Verdict {
             }
             (None, Some(trial)) => wrongs(taught, trial, &mut reasons, &mut advice),
         };
-        let (name, machine) = (&taught.machine, numbers(&refused));
+        let (name, machine) = (&taught.machine, listed(&refused, &taught.names));
         let (fitness, sentence) = match (unfit, &refused[..], trial) {
             (Some(why), ..) => (Fitness::Unfit, format!("{name} is not fit for use: {why}")),
             (None, [], Some(trial)) => {
@@ -79,7 +81,7 @@ impl Verdict {
                 advice.extend(longer.into_iter().chain([PARTLY]).map(str::to_owned));
                 let finds = trial.map(finds).unwrap_or_default();
                 let sentence = format!(
-                    "{name} is fit for use except for cylinder {machine}: \
+                    "{name} is fit for use except for {machine}: \
                     {finds}"
                 );
                 (Fitness::Partly(refused.clone()), sentence)
@@ -107,12 +109,15 @@ const fn nothing(stage: Stage) -> &'static str {
     }
 }
 
-fn told(refused: &Refused) -> String {
-    format!("cylinder {} is refused ({}): {}", refused.cylinder, refused.by, refused.why)
+fn told(refused: &Refused, names: &MachineNames) -> String {
+    let cylinder = names.cylinder(refused.cylinder);
+    format!("{cylinder} is refused ({}): {}", refused.by, refused.why)
 }
 
-fn numbers(cylinders: &[u8]) -> String {
-    cylinders.iter().map(u8::to_string).collect::<Vec<_>>().join(", ")
+/// `cylinder 3, 4`, or `cylinder 3 FwdPort, 4`.
+fn listed(cylinders: &[u8], names: &MachineNames) -> String {
+    let all: Vec<String> = cylinders.iter().map(|number| names.short(*number)).collect();
+    format!("cylinder {}", all.join(", "))
 }
 
 /// Why there was no trial, and what to do.
@@ -137,9 +142,10 @@ fn wrongs(
     let heard = trial.false_alarms.len() as u64;
     if beyond(heard, wanted * trial.held / 3600.0 / HOURS_PER_YEAR) {
         reasons.extend(trial.false_alarms.iter().take(TOLD).map(|alarm| {
-            let (detector, cylinder, t) = (alarm.detector.name(), alarm.cylinder, alarm.t);
+            let (detector, t) = (alarm.detector.name(), alarm.t);
+            let cylinder = taught.names.cylinder(alarm.cylinder);
             let verb = if alarm.stands { "has a standing warning" } else { "warns" };
-            format!("{detector} of cylinder {cylinder} {verb} at {t:.1} s")
+            format!("{detector} of {cylinder} {verb} at {t:.1} s")
         }));
         advice.push(
             "look there (`replay --report`): is it a fault, or are readings off now and then? \
@@ -220,15 +226,7 @@ mod tests {
     }
 
     fn taught() -> Taught {
-        Taught {
-            machine: "It".to_owned(),
-            text: String::new(),
-            identification: None,
-            calibration: None,
-            tuning: None,
-            refused: Vec::new(),
-            failed: None,
-        }
+        Taught { machine: "It".to_owned(), ..Taught::default() }
     }
 
     /// A trial of 300 s in which `found` of twelve steps of 1 mm were found.
@@ -274,6 +272,26 @@ mod tests {
         let unfit = Verdict::of(&taught(), Some(&taught()), Some(&heard));
         assert_eq!(unfit.fitness, Fitness::Unfit);
         assert_eq!(unfit.reasons, ["fde3 of cylinder 4 warns at 130.0 s"]);
+    }
+
+    #[test]
+    fn cylinders_that_speak_against_it_have_their_names() {
+        let own = "\n[[cylinder]]\nn = 4\nname = \"AftPort\"\n";
+        let text = format!("{}{own}", include_str!("../../../../config/e-type.toml"));
+        let names = tertius_config::parse("machine.toml", &text).expect("it is sound").0.names();
+        let mut partly = Taught { names, ..taught() };
+        for cylinder in [3, 4] {
+            let by = Stage::Calibrate;
+            partly.refused.push(Refused { cylinder, by, why: "so".to_owned() });
+        }
+        let verdict = Verdict::of(&partly, Some(&taught()), Some(&trial(12)));
+        assert!(
+            verdict.sentence.starts_with("It is fit for use except for cylinder 3, 4 AftPort: no"),
+            "{}",
+            verdict.sentence
+        );
+        assert!(verdict.reasons[0].starts_with("cylinder 3 is refused ("), "{verdict:?}");
+        assert!(verdict.reasons[1].starts_with("cylinder 4 (AftPort) is refused ("), "{verdict:?}");
     }
 
     #[test]

@@ -3,14 +3,21 @@
 use super::nonlinear::{CYLINDER_NONLINEAR, CylinderNonlinear};
 use super::process::{CYLINDER_PROCESS, CylinderProcess};
 use super::sequential::{CYLINDER_SEQUENTIAL, CylinderSequential};
-use crate::kinds::{DURATION, FINITE, MOST_CYLINDERS, number, numbers, whole};
+use crate::kinds::{DURATION, FINITE, MOST_CYLINDERS, number, numbers, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
+use crate::text::TextRule;
 
 table! {
     /// Overrides for one cylinder.
     pub struct Cylinder = CYLINDER {
         n: u8 => whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
             "1", "which cylinder";
+        name: Option<String> = None => text(TextRule::Tag),
+            "\"FwdPort\"", "what people call the cylinder, at most 32 characters; it is shown beside its number";
+        c1_name: Option<String> = None => text(TextRule::Tag),
+            "\"LT-101A\"", "the tag of its transducer C1, at most 32 characters";
+        c2_name: Option<String> = None => text(TextRule::Tag),
+            "\"LT-101B\"", "the tag of its transducer C2, at most 32 characters";
         c2: bool = true => Kind::One(Scalar::Switch),
             "true", "whether it has a C2; false: C1 is its only transducer, although other cylinders have both";
         c2_gain: f64 = 1.0 =>
@@ -40,6 +47,9 @@ impl Cylinder {
     pub const fn new(n: u8) -> Self {
         Self {
             n,
+            name: None,
+            c1_name: None,
+            c2_name: None,
             c2: true,
             c2_gain: 1.0,
             c2_offset: 0.0,

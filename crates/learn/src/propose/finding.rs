@@ -102,7 +102,7 @@ pub fn find(catalogue: &Catalogue<'_>, tally: &BusTally, finder: Option<&Finder>
             lacks.extend(more);
             machine::proposal(catalogue, tally, tracks, &cylinders, lacks)
         }
-        None => Proposal { lines: Vec::new(), lacks },
+        None => Proposal { lacks, ..Proposal::default() },
     }
 }
 

@@ -3,12 +3,14 @@
 use super::catalogue::Catalogue;
 use super::cylinders::{KEYS, Picks};
 use super::likeness::ends;
+use super::naming;
 use super::pattern;
 use super::tally::BusTally;
 use super::track::Tracks;
 use super::words::{Hint, says};
-use super::{Certainty, Proposal, ProposedLine, quoted};
+use super::{Certainty, NAMES, Proposal, ProposedLine, quoted};
 use std::collections::BTreeMap;
+use tertius_config::LONGEST_TAG;
 use tertius_config::units::conversion;
 use tertius_core::frame::Id;
 use tertius_dbc::Signal;
@@ -46,7 +48,7 @@ pub(super) fn proposal(
     cylinders: &[Picks],
     lacks: Vec<String>,
 ) -> Proposal {
-    let proposal = Proposal { lines: Vec::new(), lacks };
+    let proposal = Proposal { lacks, ..Proposal::default() };
     let mut writer = Writer { catalogue, tally, tracks, proposal };
     let certainty = if tracks.is_some() { Certainty::Sure } else { Certainty::Guessed };
     let why = "as many pairs of transducers with a command";
@@ -69,6 +71,7 @@ pub(super) fn proposal(
         writer.cylinder_key(key, cylinders);
     }
     writer.critical(cylinders);
+    writer.names(cylinders);
     writer.proposal
 }
 
@@ -319,6 +322,27 @@ impl Writer<'_> {
             let lack = "supply: nothing found that its name calls the supply's pressure in bar";
             self.proposal.lacks.push(lack.to_owned());
         }
+    }
+
+    /// The names by which the signals tell the cylinders apart; none where one of them has none, as with numbers.
+    fn names(&mut self, cylinders: &[Picks]) {
+        let catalogue = self.catalogue;
+        let own = |picks: &Picks| -> Vec<&str> {
+            let keys = ["c1", "c2", "control_speed"].into_iter();
+            keys.filter_map(|key| Some(catalogue.name(picks.get(key)?.signal))).collect()
+        };
+        let signals: Vec<Vec<&str>> = cylinders.iter().map(own).collect();
+        let found = naming::of_cylinders(&signals);
+        let spelled = signals.iter().zip(&found).map(|(own, words)| {
+            let name = naming::spelled(own.first()?, words.as_deref()?)?;
+            (name.chars().count() <= LONGEST_TAG).then(|| name.to_owned())
+        });
+        let Some(names) = spelled.collect::<Option<Vec<String>>>() else { return };
+        let list: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+        let why = "what the names of each one's signals have in common".to_owned();
+        self.proposal.names = names;
+        let (table, key) = NAMES;
+        self.line(table, key, format!("[{}]", list.join(", ")), (Certainty::Guessed, why));
     }
 
     fn cylinder_key(&mut self, key: &'static str, cylinders: &[Picks]) {

@@ -63,7 +63,12 @@ pub struct Proposal {
     pub lines: Vec<ProposedLine>,
     /// What was looked for and not found, or cannot be used yet, for a person.
     pub lacks: Vec<String>,
+    /// Names of the cylinders, which are those of one line; empty where they have none.
+    names: Vec<String>,
 }
+
+/// Table and key of the line with the names of all cylinders, which the file has in a table of each.
+const NAMES: (&str, &str) = ("cylinder", "name");
 
 impl Proposal {
     /// Adds the line of the bus's interface.

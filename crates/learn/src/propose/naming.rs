@@ -37,6 +37,16 @@ pub(super) fn of_cylinders(names: &[Vec<&str>]) -> Vec<Option<Vec<String>>> {
     (0..all.len()).map(|place| of(place).filter(|_| all.len() > 1)).collect()
 }
 
+/// The words as `name` spells them: `FwdPort` of `FwdPort_Main.Position`. `None` if the name does not have them.
+pub(super) fn spelled<'a>(name: &'a str, cylinder: &[String]) -> Option<&'a str> {
+    let ends =
+        |from: usize| name[from..].char_indices().map(move |(at, c)| from + at + c.len_utf8());
+    let parts = name.char_indices().flat_map(|(from, _)| ends(from).map(move |to| &name[from..to]));
+    let is_it = |part: &&str| words(part) == cylinder;
+    // A longer part has what is around the words.
+    parts.filter(is_it).min_by_key(|part| part.len())
+}
+
 /// The places of two transducers by their names, that of C1 first: by what they are called, or else C1 before C2.
 pub(super) fn in_order(names: [&str; 2]) -> [usize; 2] {
     let [left, right] = names.map(words);
@@ -66,6 +76,19 @@ mod tests {
 
     fn told(names: &[Vec<&str>]) -> Vec<Option<String>> {
         of_cylinders(names).into_iter().map(|it| it.map(|words| words.join(" "))).collect()
+    }
+
+    #[test]
+    fn a_name_is_spelled_as_the_signals_spell_it() {
+        let run = ["fwd".to_owned(), "port".to_owned()];
+        for (name, own) in [
+            ("FwdPort_Main.Position", Some("FwdPort")),
+            ("Rod.FWD_PORT_2", Some("FWD_PORT")),
+            ("Hydraulics.fwdPortCapPress", Some("fwdPort")),
+            ("Hydraulics.FwdStbdCapPress", None),
+        ] {
+            assert_eq!(spelled(name, &run), own, "{name}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A proposal as the text of a configuration.
 
-use super::{Certainty, Proposal, quoted};
+use super::{Certainty, NAMES, Proposal, quoted};
 use crate::tables::provenance::one_line;
 
 /// What a configuration says beside its proposal.
@@ -54,6 +54,19 @@ impl Proposal {
                 let (how, why) = (line.certainty.word(), one_line(&line.why));
                 text += &format!("# {how}: {why}\n{} = {}\n", line.key, line.value);
             }
+        }
+        text += &self.cylinders();
+        text
+    }
+
+    /// A table of each cylinder with its name, if the proposal has them.
+    fn cylinders(&self) -> String {
+        let (table, key) = NAMES;
+        let Some(line) = self.line(table, key) else { return String::new() };
+        let (how, why) = (line.certainty.word(), one_line(&line.why));
+        let mut text = format!("\n# {how}: {why}");
+        for (n, name) in (1..).zip(&self.names) {
+            text += &format!("\n[[cylinder]]\nn = {n}\nname = {}\n", quoted(name));
         }
         text
     }

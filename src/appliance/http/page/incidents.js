@@ -1,7 +1,7 @@
 // Incidents and events: searched, exported, and each incident by itself.
 
 import { recording, recordingOf, recordings } from "./recordings.js";
-import { QUANTITIES, element, millimetres as mm, say, sentence, utc } from "./words.js";
+import { QUANTITIES, cylinder, cylinderShort, element, millimetres as mm, say, sentence, transducer, utc } from "./words.js";
 
 const KINDS = ["incident", "act", "start", "stop", "reload", "refused", "bus_opened", "bus_lost", "controller", "nmt", "timing", "device", "clock", "doubt", "lost"];
 const LEVELS = ["yellow", "orange", "red", "black"];
@@ -38,7 +38,7 @@ export class Incidents {
   }
 
   build(limits) {
-    this.cylinder.append(...limits.map((_, index) => element("option", { value: index + 1 }, String(index + 1))));
+    this.cylinder.append(...limits.map((_, index) => element("option", { value: index + 1 }, cylinderShort(index + 1))));
   }
 
   /** Shows the incident of that number in the store, or the search. */
@@ -91,10 +91,16 @@ function row(entry) {
     incident && entry.ending ? element("span", { class: "quiet" }, ` ${entry.ending}`) : null);
 }
 
+/** Whom an incident is about. */
+function suspect(it) {
+  const which = ["c1", "c2"].indexOf(it.suspect) + 1;
+  return which > 0 && it.cylinder != null ? transducer(it.cylinder, which) : SUSPECTS[it.suspect] ?? it.suspect;
+}
+
 /** The page of one incident. */
 function page(it, { folder, recordings: all }) {
   const facts = [
-    ["Cylinder", it.cylinder == null ? "the machine" : String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect],
+    ["Cylinder", it.cylinder == null ? "the machine" : cylinderShort(it.cylinder)], ["Suspect", suspect(it)],
     ["Suspect named", it.named_s == null ? "–" : `${utc(it.named_s)}${it.named_by_its_end ? ", when the fault ended" : ""}`], ["Level reached", it.level],
     ["Begin", utc(it.begin_s)], ["Onset", utc(it.onset_s)],
     ["End", it.end_s == null ? "it is open" : `${utc(it.end_s)}, ${it.ending}`],
@@ -109,7 +115,7 @@ function page(it, { folder, recordings: all }) {
   const list = (title, rows) => (rows.length ? [element("h3", {}, title), element("ul", {}, ...rows.map((text) => element("li", {}, text)))] : []);
   return [
     element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"),
-      ...(it.cylinder == null ? [] : [" · ", element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)])),
+      ...(it.cylinder == null ? [] : [" · ", element("a", { href: `#trends/${it.cylinder}` }, `Trends of ${cylinder(it.cylinder)}`)])),
     element("h3", {}, it.text),
     element("p", {}, sentence(it.evidence)), element("p", {}, sentence(it.course)), element("p", {}, element("strong", {}, it.advice)),
     element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),

@@ -1,7 +1,7 @@
 // Maintenance: the transducers' drift on the stops, the gateway, its computer, and what was recorded.
 
 import { Recordings } from "./recordings.js";
-import { element, lamp, left, light, number, plural, say, utc } from "./words.js";
+import { cylinderShort, cylinderTitle, element, lamp, left, light, number, plural, say, transducer, utc } from "./words.js";
 
 /** How the doctor's verdicts look. */
 const VERDICTS = { ok: "good", warn: "out_of_specification", fail: "failure" };
@@ -26,7 +26,7 @@ export class Maintenance {
         ["Its identity", machine.identity], ["Calibration", calibration(machine)]]),
       element("h2", {}, "Limits, mm"),
       table("Limits", ["Cylinder", "R1", "R2", "R3", "C1 − C2"],
-        machine.limits_m.map((limits, index) => [String(index + 1), ...limits.map((limit) => limit == null ? "–" : number(limit * 1e3, 2))])));
+        machine.limits_m.map((limits, index) => [cylinderShort(index + 1), ...limits.map((limit) => limit == null ? "–" : number(limit * 1e3, 2))])));
     this.stops.build(machine.limits_m.length);
   }
 
@@ -38,7 +38,7 @@ export class Maintenance {
 
   show(now) {
     const rows = now.cylinders.flatMap((cylinder) => cylinder.transducers.map((it, which) => [
-      `Cylinder ${cylinder.number}, C${which + 1}`, it.words, number(cylinder.dwells, 0),
+      `${cylinderTitle(cylinder.number)}, ${transducer(cylinder.number, which + 1)}`, it.words, number(cylinder.dwells, 0),
       it.drift_mm_per_month == null ? "–" : `${number(it.drift_mm_per_month, 3)} ± ${number(it.error_mm_per_month, 3)}`,
       left(it.months_left) || "–",
     ]));
@@ -63,8 +63,8 @@ class Stops {
   }
 
   build(cylinders) {
-    const numbers = Array.from({ length: cylinders }, (_, index) => String(index + 1));
-    this.cylinder.replaceChildren(...numbers.map((it) => element("option", { value: it }, it)));
+    const numbers = Array.from({ length: cylinders }, (_, index) => index + 1);
+    this.cylinder.replaceChildren(...numbers.map((it) => element("option", { value: it }, cylinderShort(it))));
   }
 
   async refresh() {

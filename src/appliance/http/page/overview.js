@@ -1,6 +1,6 @@
 // The overview: lamps, residuals against their limits, the virtual sensor, drifts.
 
-import { QUANTITIES, element, lamp, left, light, millimetres, number, plural, say, timeOfDay } from "./words.js";
+import { QUANTITIES, cylinderTitle, element, lamp, left, light, millimetres, number, plural, say, timeOfDay, transducer } from "./words.js";
 
 const RESIDUALS = ["R1", "R2", "R3"];
 const TRANSDUCERS = ["C1", "C2"];
@@ -71,9 +71,9 @@ function card(number) {
   const drifts = TRANSDUCERS.map(() => element("span", { class: "quiet drift" }));
   const bars = RESIDUALS.map((name) => bar(name));
   const estimate = element("p", { class: "estimate" });
-  const rows = TRANSDUCERS.map((name, which) => element("div", { class: "transducer" },
-    element("span", { class: "name" }, name), lamps[which].node, drifts[which]));
-  const title = `Cylinder ${number}`;
+  const rows = TRANSDUCERS.map((_, which) => element("div", { class: "transducer" },
+    element("span", { class: "name" }, transducer(number, which + 1)), lamps[which].node, drifts[which]));
+  const title = cylinderTitle(number);
   const node = element("li", { class: "card" },
     element("h3", {}, element("a", { href: `#trends/${number}` }, title)),
     ...rows, element("div", { class: "bars" }, ...bars.map((bar) => bar.node)), estimate);

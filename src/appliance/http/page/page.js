@@ -5,7 +5,7 @@ import { Incidents } from "./incidents.js";
 import { Maintenance } from "./maintenance.js";
 import { Overview, incident } from "./overview.js";
 import { Trends } from "./trends.js";
-import { ago, plural, say, sentence, symbol, utc } from "./words.js";
+import { ago, callThem, plural, say, sentence, symbol, utc } from "./words.js";
 
 const VIEWS = ["overview", "trends", "alarms", "incidents", "maintenance"];
 const CONDITIONS = { ok: "good", unknown: "unknown", degraded: "out_of_specification", down: "failure" };
@@ -143,6 +143,7 @@ async function start() {
   const answer = await ask();
   machine = await answer.json();
   say(at("machine"), machine.name || "Tertius");
+  callThem(machine.names);
   overview.build(machine.limits_m);
   trends.build(machine.limits_m);
   incidents.build(machine.limits_m);

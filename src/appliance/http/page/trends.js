@@ -1,6 +1,6 @@
 // The trends of a cylinder: lengths and residuals of the last hour, and live.
 
-import { element, number, say, timeOfDay } from "./words.js";
+import { cylinder as called, cylinderShort, cylinderTitle, element, number, say, timeOfDay } from "./words.js";
 
 const WINDOWS = [[60, "1 min"], [600, "10 min"], [3600, "1 h"]];
 const KEPT = 7300;
@@ -22,7 +22,7 @@ export class Trends {
   build(limits) {
     this.limits = limits;
     this.choices = limits.map((_, index) =>
-      element("a", { href: `#trends/${index + 1}`, "aria-label": `Cylinder ${index + 1}` }, String(index + 1)));
+      element("a", { href: `#trends/${index + 1}`, "aria-label": cylinderTitle(index + 1) }, cylinderShort(index + 1)));
     this.windows = WINDOWS.map(([seconds, name]) => {
       const button = element("button", { type: "button", "aria-pressed": "false" }, name);
       button.addEventListener("click", () => this.look(seconds));
@@ -59,7 +59,7 @@ export class Trends {
       if (index + 1 === this.cylinder) node.setAttribute("aria-current", "true");
       else node.removeAttribute("aria-current");
     });
-    say(document.getElementById("trends-title"), `Trends of cylinder ${this.cylinder}`);
+    say(document.getElementById("trends-title"), `Trends of ${called(this.cylinder)}`);
     await this.fetch();
     this.look(this.window);
   }

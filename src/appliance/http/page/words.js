@@ -64,6 +64,37 @@ export function symbol(state) {
   return drawn(SHAPES[state] ?? SHAPES.unknown);
 }
 
+/** Names of the machine's cylinders and transducers, from the first cylinder; none where there are none. */
+let names = [];
+
+/** Takes the names of the machine. */
+export function callThem(list) {
+  names = list ?? [];
+}
+
+const called = (numbered, name) => (name == null ? numbered : `${numbered} (${name})`);
+
+/** A cylinder in a sentence: "cylinder 3", "cylinder 3 (FwdPort)". */
+export function cylinder(number) {
+  return called(`cylinder ${number}`, names[number - 1]?.name);
+}
+
+/** A cylinder as a heading. */
+export function cylinderTitle(number) {
+  return called(`Cylinder ${number}`, names[number - 1]?.name);
+}
+
+/** A cylinder where there is little room: "3", "3 FwdPort". */
+export function cylinderShort(number) {
+  const name = names[number - 1]?.name;
+  return name == null ? String(number) : `${number} ${name}`;
+}
+
+/** Transducer 1 or 2 of a cylinder: "C1", "C1 (LT-101A)". */
+export function transducer(number, which) {
+  return called(`C${which}`, names[number - 1]?.[`c${which}_name`]);
+}
+
 /** `value` with so many decimals, or a dash. */
 export function number(value, decimals) {
   return value == null ? "–" : value.toFixed(decimals).replace("-", "−");

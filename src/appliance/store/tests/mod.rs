@@ -12,6 +12,7 @@ use crate::alarm::Level;
 use crate::alarm_list::{ActKind, ActRefusal};
 use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::SystemClock;
+use crate::config::MachineNames;
 use crate::incident::{Cylinders, Incident, Progress, Scope};
 use crate::time::{Span, Timestamp};
 use std::fs;
@@ -47,6 +48,7 @@ impl Bench {
             size,
             days: 1000,
             machine: "a machine".to_owned(),
+            names: MachineNames::default(),
             configuration: "0123456789abcdef".to_owned(),
             sample_time: 0.02,
         }
@@ -178,6 +180,37 @@ fn an_incident_is_read_as_it_was_told() {
         ("fde1", Some(1.2e-3))
     );
     assert_eq!(bench.reader().incident(id + 1, later(0.0)).expect("read"), None);
+}
+
+/// A reload calls them otherwise: what was told before keeps its names.
+#[test]
+fn events_have_the_names_of_the_configuration_of_their_run() {
+    let bench = Bench::new();
+    let named = |name: &str| {
+        let names = format!(r#"[{{"name":"{name}","c1_name":"LT-1A"}},{{}},{{}},{{}},{{}},{{}}]"#);
+        let names = serde_json::from_str(&names).expect("names");
+        StorePlan { names, ..bench.plan(8 * MB) }
+    };
+    let begin = |store| {
+        Note::Begin(Some(Box::new(Plan {
+            store,
+            cause: Cause::Reload,
+            at: later(7.0),
+            continues: false,
+        })))
+    };
+    let writer = bench.writer_by(named("FwdPort"), false);
+    let notes = [Note::Incident(incident(6)), begin(named("Bow")), Note::Incident(incident(12))];
+    drop(written(writer, notes));
+    let filter = Filter { text: "FwdPort LT".to_owned(), ..Filter::default() };
+    let found = bench.reader().search(&filter, later(100.0)).expect("it can be read").entries;
+    let texts: Vec<&str> = found.iter().map(|it| it.text.as_str()).collect();
+    let what = "yellow: step of 1.21 mm, R1 up to 1.20 mm (limit 1.00 mm)";
+    assert_eq!(texts, [format!("cylinder 1 (FwdPort), C1 (LT-1A), {what}")]);
+    let [newest, _] = bench.texts_and_ids()[..] else { panic!("two incidents") };
+    let page = bench.reader().incident(newest, later(100.0)).expect("read").expect("it is there");
+    assert_eq!(page.alarm.text, format!("cylinder 1 (Bow), C1 (LT-1A), {what}"));
+    assert!(page.advice.ends_with("the magnet of C1 (LT-1A)."), "{}", page.advice);
 }
 
 /// What several cylinders have in common is the machine's, and is found by each of them.

@@ -6,6 +6,8 @@ use super::words::{drift, estimate, millimetres};
 use super::{Sight, below, split};
 use crate::cli::monitor::news::WatchedCylinder;
 use crate::cli::monitor::picture::MINUTES;
+use crate::report::capitalised;
+use crate::sample::Transducer;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -41,9 +43,12 @@ pub fn zoomed(sight: &Sight<'_>, area: Rect, buffer: &mut Buffer) {
 /// Words for the lamps, the drifts and the virtual sensor.
 fn said(sight: &Sight<'_>, cylinder: &WatchedCylinder, area: Rect, buffer: &mut Buffer) {
     let [c1, c2] = &cylinder.transducers;
+    let names = sight.picture.names();
+    let [first, second] =
+        [Transducer::C1, Transducer::C2].map(|it| names.transducer(cylinder.number, it));
     let title = Line::from(vec![
-        Span::styled(format!("Cylinder {}", cylinder.number), strong()),
-        Span::raw(format!("  C1 {}; C2 {}", c1.words, c2.words)),
+        Span::styled(capitalised(&names.cylinder(cylinder.number)), strong()),
+        Span::raw(format!("  {first} {}; {second} {}", c1.words, c2.words)),
     ]);
     let parts = [drift("C1", c1), drift("C2", c2), estimate(cylinder)];
     let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();

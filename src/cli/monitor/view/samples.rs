@@ -28,7 +28,11 @@ pub fn picture(now: Duration) -> Picture {
 
 fn told() -> [News; 3] {
     let limits_m = vec![[1e-3, 1e-3, 1.5e-3, 0.05].map(Some).to_vec(); 6];
-    let machine = WatchedMachine { name: "Ampelmann E-type".to_owned(), limits_m };
+    let machine = WatchedMachine {
+        name: "Ampelmann E-type".to_owned(),
+        limits_m,
+        ..WatchedMachine::default()
+    };
     [News::Machine(machine), News::Trends(trend()), News::Overview(overview())]
 }
 

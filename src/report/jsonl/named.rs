@@ -1,0 +1,47 @@
+//! Names beside the numbers of cylinders; absent where none are given.
+
+use crate::config::MachineNames;
+use crate::sample::Transducer;
+use crate::story;
+use crate::verdict::Suspect;
+use serde::Serialize;
+
+/// Names of the cylinder that a line is about, and of the transducer that is suspected.
+#[derive(Serialize)]
+pub(super) struct NameFields<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    suspect_name: Option<&'a str>,
+}
+
+impl<'a> NameFields<'a> {
+    pub fn new(names: &'a MachineNames, cylinder: Option<u8>, suspect: Suspect) -> Self {
+        let suspected = story::transducer(suspect);
+        Self {
+            name: cylinder.and_then(|number| names.of_cylinder(number)),
+            suspect_name: cylinder
+                .zip(suspected)
+                .and_then(|(number, it)| names.of_transducer(number, it)),
+        }
+    }
+}
+
+/// Names of a cylinder and its transducers.
+#[derive(Serialize)]
+pub(super) struct CylinderNameFields<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    c1_name: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    c2_name: Option<&'a str>,
+}
+
+impl<'a> CylinderNameFields<'a> {
+    pub fn new(names: &'a MachineNames, number: usize) -> Self {
+        let [c1_name, c2_name] =
+            [Transducer::C1, Transducer::C2].map(|it| names.of_transducer(number, it));
+        Self { name: names.of_cylinder(number), c1_name, c2_name }
+    }
+}
