@@ -13,12 +13,12 @@ use crate::config::Settings;
 use crate::config::settings::{CylinderSignals, bus_of};
 use crate::config::units::Converted;
 use crate::decode::Raw;
+use crate::failure::print;
 use crate::report::alignment;
 use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Times that differ by less are the same, s.
@@ -42,9 +42,7 @@ impl Check {
     /// Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load_checking(&self.config, &self.set.overrides()?)?;
-        let text = describe(&machine);
-        let mut out = std::io::stdout();
-        out.write_all(text.as_bytes()).map_err(|error| Failure::writing("standard output", &error))
+        print(&describe(&machine))
     }
 }
 

@@ -8,11 +8,12 @@ use super::tables;
 use super::update::{Study, Update};
 use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught};
 use crate::config::{self, design};
+use crate::failure::print;
 use crate::report::{commission, page};
 use crate::survey::Recording;
 use clap::Args;
 use std::fs;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Commissions a machine from a healthy recording: identifies, calibrates, tunes, and tries the
@@ -85,9 +86,7 @@ impl Commission {
             version: env!("CARGO_PKG_VERSION"),
         };
         let result = task.run(&study, tell)?;
-        std::io::stdout()
-            .write_all(commission::page(&result, &machine.loaded.fingerprints()).as_bytes())
-            .map_err(|error| Failure::writing("standard output", &error))?;
+        print(&commission::page(&result, &machine.loaded.fingerprints()))?;
         if let Some(report) = report {
             report.write(&figures(&study, &result)?)?;
         }

@@ -8,6 +8,7 @@ use crate::appliance::store::{
 };
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::config;
+use crate::config::visible;
 use crate::report::Zone;
 use crate::time::Timestamp;
 use clap::{Args, ValueEnum};
@@ -96,13 +97,13 @@ impl Events {
             writeln!(out, "Nothing of that kind is kept.")?;
         }
         for entry in entries {
-            let (at, id, text) = (zone.moment(entry.at_s), entry.id, &entry.text);
+            let (at, id, text) = (zone.moment(entry.at_s), entry.id, visible(&entry.text));
             match &entry.incident {
                 Some(incident) => {
                     let state = incident.state.replace('_', ", ");
                     writeln!(out, "{at}  incident {id}: {text} [{state}]")?;
                 }
-                None => writeln!(out, "{at}  {}: {text}", entry.kind.replace('_', " "))?,
+                None => writeln!(out, "{at}  {}: {text}", visible(&entry.kind.replace('_', " ")))?,
             }
         }
         Ok(())

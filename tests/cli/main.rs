@@ -41,3 +41,4 @@ mod simulate;
 mod single;
 mod stamps;
 mod state;
+mod terminal;

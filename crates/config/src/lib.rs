@@ -26,6 +26,7 @@ mod schema;
 pub mod settings;
 mod text;
 pub mod units;
+mod visible;
 mod walk;
 
 use serde::Deserialize;
@@ -40,6 +41,7 @@ pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use relocate::relocate;
 pub use settings::Settings;
+pub use visible::{visible, visible_lines};
 
 use problem::Problems;
 use settings::ROOT;

@@ -3,6 +3,7 @@
 use super::query::{Filter, MOST_FOUND};
 use super::reader::{EventEntry, StoreReader};
 use super::trouble::Trouble;
+use crate::config::{visible, visible_lines};
 use crate::time::Timestamp;
 use std::io::Write;
 
@@ -45,7 +46,7 @@ pub fn export(
                 ExportFormat::Jsonl => {
                     let line = serde_json::to_string(entry);
                     let line = line.map_err(|error| Trouble::Other(error.to_string()))?;
-                    writeln!(out, "{line}")?;
+                    writeln!(out, "{}", visible(&line))?;
                 }
             }
         }
@@ -82,10 +83,11 @@ fn row(entry: &EventEntry) -> [String; 17] {
     ]
 }
 
-/// A text as a field: quoted where it has to be, and never a formula for a spreadsheet.
+/// A text as a field: quoted where it has to be, never a formula for a spreadsheet, and without effect on a terminal.
 fn field(text: &str) -> String {
     let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
-    let text = if formula { format!("'{text}") } else { text.to_owned() };
+    let text = visible_lines(text);
+    let text = if formula { format!("'{text}") } else { text.into_owned() };
     if text.contains(['"', ',', '\n', '\r', ';']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {
@@ -113,6 +115,7 @@ mod tests {
             ("-1+1", "'-1+1"),
             ("@x, y", "\"'@x, y\""),
             ("line\nbreak", "\"line\nbreak\""),
+            ("\u{1b}[2J\u{202e}", "\\u001b[2J\\u202e"),
         ] {
             assert_eq!(field(text), expected);
         }

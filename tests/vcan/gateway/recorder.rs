@@ -76,7 +76,10 @@ fn leaves_recordings(interface: &'static str, config: &str) {
     wait_for("the recording", || !recordings(&bench, "incident").is_empty());
     bench.stop(gateway);
     let folders = recordings(&bench, "incident");
-    assert!(folders.len() == 1 && folders[0].to_string_lossy().contains("cylinder-3"), "{folders:?}");
+    assert!(
+        folders.len() == 1 && folders[0].to_string_lossy().contains("cylinder-3"),
+        "{folders:?}"
+    );
     is_told_again(&folders[0]);
 }
 
