@@ -152,7 +152,7 @@ pub(super) async fn file(
     let now = shared.clock.system();
     read(&shared, move |reader| {
         let mut out = Bounded(Vec::new());
-        export(reader, &filter, format, now, &mut out)?;
+        _ = export(reader, &filter, format, now, &mut out)?;
         let name = format!("attachment; filename=\"{name}\"");
         let headers = [
             (CONTENT_TYPE, kind.to_owned()),

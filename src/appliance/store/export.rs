@@ -22,8 +22,9 @@ pub const EXPORT_COLUMNS: [&str; 17] = [
     "end_s", "size_m", "quantity", "peak_m", "limit_m", "about", "text",
 ];
 
-/// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit. Memory is that of a
-/// page; what is written meanwhile comes in no page.
+/// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit, and returns how many of
+/// them are damaged ([`EventPage::damaged`](super::EventPage)). Memory is that of a page; what is written meanwhile
+/// comes in no page.
 ///
 /// # Errors
 /// The store cannot be read, or `out` not be written.
@@ -33,13 +34,15 @@ pub fn export(
     format: ExportFormat,
     now: Timestamp,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<usize, Trouble> {
+    let mut damaged = 0;
     let mut page = Filter { limit: MOST_FOUND, ..filter.clone() };
     if format == ExportFormat::Csv {
         writeln!(out, "{}", EXPORT_COLUMNS.join(","))?;
     }
     loop {
         let found = reader.search(&page, now)?;
+        damaged += found.damaged;
         for entry in &found.entries {
             match format {
                 ExportFormat::Csv => writeln!(out, "{}", row(entry).join(","))?,
@@ -52,7 +55,7 @@ pub fn export(
         }
         page.before = found.next;
         if found.next.is_none() {
-            return Ok(());
+            return Ok(damaged);
         }
     }
 }
