@@ -392,7 +392,7 @@ fn only_what_there_is_is_answered_and_only_without_a_body() {
     assert!(listing.body.contains("/health") && listing.body.contains("/metrics"));
     assert_eq!(bench.ask("/etc/passwd").code, 404);
     let request = |request: &str| ask(&bench.server, request).code;
-    assert_eq!(request("POST /health HTTP/1.1\r\nHost: here\r\n\r\n"), 405);
+    assert_eq!(request("POST /health HTTP/1.1\r\nHost: localhost\r\n\r\n"), 405);
     assert_eq!(request("GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"), 413);
     let long = format!("GET / HTTP/1.1\r\nHost: localhost\r\nLong: {}\r\n\r\n", "x".repeat(9000));
     assert_eq!(request(&long), 431);

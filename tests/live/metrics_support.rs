@@ -143,7 +143,7 @@ impl Bench {
     /// The answer to Prometheus, which accepts OpenMetrics.
     pub fn scrape(&self) -> Answer {
         let accept = "Accept: application/openmetrics-text;version=1.0.0,text/plain;q=0.5";
-        ask(&self.server, &format!("GET /metrics HTTP/1.1\r\nHost: here\r\n{accept}\r\n\r\n"))
+        ask(&self.server, &format!("GET /metrics HTTP/1.1\r\nHost: localhost\r\n{accept}\r\n\r\n"))
     }
 
     pub fn health(&self) -> (u16, Value) {

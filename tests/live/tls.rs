@@ -115,6 +115,13 @@ fn who_is_not_logged_in_reads_nothing_and_who_is_can_read_and_leave() {
     );
     assert_eq!(office.get("/assets/page.css", "").code, 200, "the form needs it");
     assert_eq!(office.get("/health", "").code, 503, "what machines read: nothing turns here");
+    for path in ["/", "/login", "/health", "/metrics", "/assets/page.css"] {
+        let answer = office.get(path, "");
+        assert_eq!(header(&answer, "strict-transport-security"), Some("max-age=2592000"), "{path}");
+        assert_eq!(header(&answer, "x-content-type-options"), Some("nosniff"), "{path}");
+    }
+    let other = office.ask("GET /health HTTP/1.1\r\nHost: box.example\r\n\r\n");
+    assert_eq!(other.code, 503, "a monitoring system may know this computer by any name");
 
     let cookie = office.cookie();
     let page = office.get("/", &cookie);

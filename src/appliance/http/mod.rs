@@ -200,14 +200,15 @@ fn router(shared: Shared) -> Router {
         .layer(from_fn(guard::without_body))
         .merge(acts)
         .layer(from_fn_with_state(shared.clone(), guard::only_known_hosts))
-        .merge(entrance)
-        .layer(from_fn(guard::with_policy));
-    // What machines read: a monitoring system may know this computer by any name.
+        .merge(entrance);
+    // What machines read.
     Router::new()
         .route("/health", get(health))
         .route("/metrics", get(metrics))
         .layer(from_fn(guard::without_body))
+        .layer(from_fn_with_state(shared.clone(), guard::only_known_machines))
         .merge(people)
+        .layer(from_fn(guard::with_policy))
         .with_state(shared)
 }
 
