@@ -82,6 +82,7 @@ fn describe(machine: &Machine) -> String {
     text += &cylinders::describe(machine);
     text += &deck::describe(machine);
     text += &canopen(settings);
+    text += &logins(settings);
     text += &stops(machine);
     text += &doubts(machine);
     text += &findings(machine);
@@ -280,6 +281,18 @@ fn canopen(settings: &Settings) -> String {
     };
     let start = if canopen.autostart { "by itself" } else { "when a master starts it" };
     format!("\nCANopen    node {}, {heartbeat}, operational {start}\n", settings.gateway.node)
+}
+
+/// What wrong tokens lead to; empty where there is no token.
+fn logins(settings: &Settings) -> String {
+    let http = &settings.http;
+    match http.token {
+        Some(_) => format!(
+            "\nlogins     an address waits after each wrong token, and is locked out for {} s after {}\n",
+            http.lockout, http.login_failures
+        ),
+        None => String::new(),
+    }
 }
 
 fn findings(machine: &Machine) -> String {

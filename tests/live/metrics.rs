@@ -566,10 +566,13 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let failures = "\ntertius_store_failures_total 0\n";
     let locked = later(&healthy, failures, "\ntertius_store_failures_total 3\n");
     let full = later(&healthy, failures, "\ntertius_store_failures_total 20\n");
+    let tokens = "\ntertius_login_failures_total 0\n";
+    let mistyped = later(&healthy, tokens, "\ntertius_login_failures_total 3\n");
+    let tried = later(&healthy, tokens, "\ntertius_login_failures_total 20\n");
     let failures = "\ntertius_recorder_failures_total 0\n";
     let unrecorded = later(&healthy, failures, "\ntertius_recorder_failures_total 1\n");
     let cases = serde_json::json!({
-        "locked": locked, "full": full, "unrecorded": unrecorded,
+        "mistyped": mistyped, "tried": tried, "locked": locked, "full": full, "unrecorded": unrecorded,
         "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
         "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
         "again": again, "contradicting": contradicting, "short": short,
@@ -586,13 +589,14 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "FramesLost",
         "FramesContradict",
         "EventsNotKept",
+        "TokensTried",
         "IncidentsNotRecorded",
     ];
     assert_eq!(told["rules"], serde_json::json!(rules));
     let expected = serde_json::json!({
         "healthy": [], "faulty": ["Warning"], "still": ["Blind"], "quiet": ["Blind"],
         "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
-        "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
+        "mistyped": [], "tried": ["TokensTried"], "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
         "dropping": ["FramesLost"], "contradicting": ["FramesContradict"], "short": ["FramesContradict"],
         "again": ["IncidentsAgainAndAgain"],
     });

@@ -41,6 +41,7 @@ pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use relocate::relocate;
 pub use settings::Settings;
+pub use text::WEAK_TOKENS;
 pub use visible::{visible, visible_lines};
 
 use problem::Problems;

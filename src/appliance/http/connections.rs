@@ -10,6 +10,7 @@ use hyper::service::{Service, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
 use std::collections::VecDeque;
+use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::time::Duration;
@@ -38,8 +39,10 @@ const HEADERS: usize = 64;
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// A connection, as its request sees it.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Connection {
+    /// Address of who has opened it.
+    peer: IpAddr,
     /// Whether its answer is a stream, which lasts.
     streams: AtomicBool,
     /// Whether its answer takes long.
@@ -51,6 +54,21 @@ pub(super) struct Connection {
 }
 
 impl Connection {
+    fn new(peer: IpAddr) -> Self {
+        Self {
+            peer,
+            streams: AtomicBool::default(),
+            takes_long: AtomicBool::default(),
+            encrypted: AtomicBool::default(),
+            abort: OnceLock::default(),
+        }
+    }
+
+    /// Address of who has opened it.
+    pub const fn peer(&self) -> IpAddr {
+        self.peer
+    }
+
     /// Notes that the answer is a stream; whoever feeds it ends the connection.
     pub fn becomes_stream(&self) {
         self.streams.store(true, Ordering::Relaxed);
@@ -89,7 +107,7 @@ pub(super) type Identities = Arc<RwLock<Option<Identity>>>;
 pub(super) async fn accept(listener: TcpListener, router: Router, identities: Identities) {
     let mut connections: VecDeque<Arc<Connection>> = VecDeque::with_capacity(CONNECTIONS);
     loop {
-        let Ok((stream, _)) = listener.accept().await else {
+        let Ok((stream, peer)) = listener.accept().await else {
             tokio::time::sleep(PAUSE).await;
             continue;
         };
@@ -100,7 +118,7 @@ pub(super) async fn accept(listener: TcpListener, router: Router, identities: Id
         {
             oldest.end();
         }
-        let connection = Arc::new(Connection::default());
+        let connection = Arc::new(Connection::new(peer.ip()));
         let identity = identities.read().unwrap_or_else(PoisonError::into_inner).clone();
         let answer = answer(stream, identity, router.clone(), Arc::clone(&connection));
         let task = tokio::spawn(answer);

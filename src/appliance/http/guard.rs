@@ -1,6 +1,7 @@
 //! What every request has to pass, and what every answer says to the browser.
 
 use super::Shared;
+use super::attempts::Trial;
 use super::connections::Connection;
 use super::page::NO_TOKEN;
 use axum::extract::{Request, State};
@@ -115,8 +116,14 @@ async fn only_known_people(shared: &Shared, request: Request, next: Next) -> Res
     let Some(token) = shared.desk.plan().token else {
         return (StatusCode::FORBIDDEN, NO_TOKEN).into_response();
     };
-    if token.admits(headers) || shared.sessions.admit(headers, &token, shared.clock.uptime()) {
+    if shared.sessions.admit(headers, &token, shared.clock.uptime()) {
         return next.run(request).await;
+    }
+    let connection = request.extensions().get::<Arc<Connection>>();
+    match connection.and_then(|connection| shared.try_header(connection, headers, &token)) {
+        Some(Trial::Right) => return next.run(request).await,
+        Some(Trial::TooSoon(refusal)) => return refusal,
+        Some(Trial::Wrong) | None => {}
     }
     if path == "/" {
         return (StatusCode::SEE_OTHER, [(LOCATION, "/login")]).into_response();

@@ -4,6 +4,7 @@
 
 mod acts;
 mod api;
+mod attempts;
 mod connections;
 mod events;
 mod examination;
@@ -22,6 +23,8 @@ use super::store::{StoreHandle, StoreState};
 use super::telemetry::clock::Clock;
 use super::telemetry::exposition::{CONTENT_TYPE, PLAIN_CONTENT_TYPE, exposition, plain};
 use super::telemetry::{Recorder, Telemetry};
+use attempts::Attempts;
+pub use attempts::LoginLimits;
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::header::{ACCEPT, CACHE_CONTROL, CONTENT_TYPE as TYPE};
@@ -64,6 +67,8 @@ pub struct Desk {
 pub struct DeskPlan {
     /// Digest of the token that acts need; `None`: there are no acts.
     pub token: Option<TokenDigest>,
+    /// What wrong tokens lead to.
+    pub logins: LoginLimits,
     /// Folder of the flight recorder; `None`: nothing is recorded.
     pub recordings: Option<PathBuf>,
     /// What the doctor has to know of the configuration; `None`: nothing is examined.
@@ -118,6 +123,7 @@ impl Server {
             desk,
             examined: Examined::default(),
             sessions: Arc::default(),
+            attempts: Arc::default(),
         };
         let accepting = Arc::clone(&identities);
         let runtime = tokio::runtime::Builder::new_current_thread()
@@ -164,6 +170,8 @@ struct Shared {
     examined: Examined,
     /// Who has logged in.
     sessions: Arc<Sessions>,
+    /// Who has tried to.
+    attempts: Arc<Attempts>,
 }
 
 impl Shared {
