@@ -1,18 +1,27 @@
 //! Why a command failed.
 
 use crate::bus::SourceError;
-use crate::config::ConfigError;
+use crate::config::{ConfigError, visible_lines};
 use std::fmt;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a line for a person to standard error. If that cannot be written nobody is there to read
-/// it, which is no reason to end.
+/// Writes a line for a person to standard error, where nothing in it acts on a terminal. If that cannot be written
+/// nobody is there to read it, which is no reason to end.
 macro_rules! tell {
     ($($argument:tt)*) => {{
         use std::io::Write as _;
-        _ = writeln!(std::io::stderr(), $($argument)*);
+        _ = writeln!(std::io::stderr(), "{}", $crate::config::visible_lines(&format!($($argument)*)));
     }};
+}
+
+/// Writes a text for a person to standard output, where nothing in it acts on a terminal.
+///
+/// # Errors
+/// It cannot be written.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let written = io::stdout().write_all(visible_lines(text).as_bytes());
+    written.map_err(|error| Failure::writing("standard output", &error))
 }
 
 /// A failure with its exit code: 1 if the command failed, 2 if the call or a file of the user's is
@@ -77,7 +86,10 @@ impl Failure {
                 }
             }
             #[cfg(feature = "cli")]
-            Self::Config(error) => tell!("{:?}", error.report()),
+            Self::Config(error) => {
+                // Its colours are for the terminal, and what it shows is escaped already.
+                _ = writeln!(io::stderr(), "{:?}", error.report());
+            }
             #[cfg(not(feature = "cli"))]
             Self::Config(error) => tell!("{error}"),
             Self::Wrong(message) | Self::Failed(message) => tell!("tertius: {message}"),

@@ -6,6 +6,7 @@
 //! event cannot be passed to another thread. Therefore events are encoded here in the journal's own
 //! protocol, without waiting, and the log's worker sends them.
 
+use crate::config::visible;
 use std::fmt::{self, Write as _};
 use std::io::{self, Write};
 use std::os::unix::net::UnixDatagram;
@@ -93,9 +94,10 @@ struct Entry {
 impl Visit for Entry {
     fn record_debug(&mut self, field: &Field, value: &dyn fmt::Debug) {
         // A line break would end the field, and begin another of the text's choosing.
-        let text = format!("{value:?}").replace(|c: char| c.is_control(), " ");
+        let text = format!("{value:?}");
+        let text = visible(&text);
         if field.name() == "message" {
-            self.message = text;
+            self.message = text.into_owned();
             return;
         }
         _ = write!(self.spoken, " {}={text}", field.name());
@@ -149,7 +151,7 @@ mod tests {
         assert_eq!(
             entry(&journal),
             "PRIORITY=6\nSYSLOG_IDENTIFIER=tertius\n\
-             MESSAGE=two lines reason=one PRIORITY=0\nTERTIUS_REASON=one PRIORITY=0\n"
+             MESSAGE=two\\nlines reason=one\\nPRIORITY=0\nTERTIUS_REASON=one\\nPRIORITY=0\n"
         );
     }
 

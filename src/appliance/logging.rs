@@ -1,6 +1,7 @@
 //! The log of the live gateway.
 
 use super::journald::{JournalFormat, JournalWriter, SOCKET};
+use crate::config::visible;
 use crate::failure::Failure;
 use clap::ValueEnum;
 use std::io;
@@ -54,7 +55,7 @@ pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
         log.try_init().map_err(LogError::Started)?;
         return Ok(guard);
     }
-    let (writer, guard) = worker(io::stderr());
+    let (writer, guard) = worker(Plain(io::stderr()));
     let log = fmt().with_writer(writer).with_target(false).with_ansi(false);
     match format {
         LogFormat::Json => log.json().try_init(),
@@ -64,6 +65,21 @@ pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
     Ok(guard)
 }
 
+/// Takes a line of the log with each write, in which nothing acts on a terminal and nothing begins another line.
+struct Plain<W>(W);
+
+impl<W: io::Write> io::Write for Plain<W> {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        let text = String::from_utf8_lossy(line.strip_suffix(b"\n").unwrap_or(line));
+        self.0.write_all(format!("{}\n", visible(&text)).as_bytes())?;
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
 fn worker(out: impl io::Write + Send + 'static) -> (NonBlocking, WorkerGuard) {
     NonBlockingBuilder::default().lossy(true).buffered_lines_limit(WAITING_LINES).finish(out)
 }
@@ -71,6 +87,14 @@ fn worker(out: impl io::Write + Send + 'static) -> (NonBlocking, WorkerGuard) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn a_line_is_one_and_does_nothing_to_a_terminal() {
+        let mut out = Plain(Vec::new());
+        out.write_all("INFO open\u{1b}[2J\u{9b}m\nINFO forged\n".as_bytes()).expect("it is memory");
+        assert_eq!(out.0, b"INFO open\\u001b[2J\\u009bm\\nINFO forged\n");
+    }
 
     #[test]
     fn a_missing_journal_is_a_wrong_call() {

@@ -85,6 +85,10 @@ pub enum Reason {
     Length(Found),
     #[error("the line announces {announced} bytes, but {found} follow")]
     LengthMismatch { announced: usize, found: usize },
+    #[error(
+        "found a compressed block of {found} bytes, expected at most {most}: what is unpacked is held in memory, and this file is read at {places} places at the same time; write it with smaller blocks, or its groups into files of their own"
+    )]
+    UnpackedTooLong { found: u64, most: u64, places: usize },
     #[error("found {0} after the frame, expected the end of the line")]
     Trailing(Found),
 }

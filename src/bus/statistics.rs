@@ -1,5 +1,6 @@
 //! Statistics of a recording, beside the frames that were returned.
 
+use crate::config::visible;
 use crate::frame::Kind;
 
 use super::barren::Barren;
@@ -209,17 +210,7 @@ fn hexadecimal(record: &[u8]) -> String {
 fn excerpt(line: &[u8]) -> String {
     let line = line.trim_ascii_end();
     let shown = &line[..line.len().min(EXCERPT)];
-    let mut text = String::with_capacity(EXCERPT);
-    for character in String::from_utf8_lossy(shown).chars() {
-        // The invisible ones turn the direction of writing.
-        let is_bidi = matches!(character, '\u{200E}'..='\u{200F}' | '\u{202A}'..='\u{202E}')
-            || matches!(character, '\u{2066}'..='\u{2069}');
-        if character.is_control() || is_bidi {
-            text.extend(character.escape_default());
-        } else {
-            text.push(character);
-        }
-    }
+    let mut text = visible(&String::from_utf8_lossy(shown)).into_owned();
     if shown.len() < line.len() {
         text.push('…');
     }

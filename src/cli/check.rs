@@ -13,12 +13,12 @@ use crate::config::Settings;
 use crate::config::settings::{CylinderSignals, bus_of};
 use crate::config::units::Converted;
 use crate::decode::Raw;
+use crate::failure::print;
 use crate::report::alignment;
 use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Times that differ by less are the same, s.
@@ -42,9 +42,7 @@ impl Check {
     /// Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load_checking(&self.config, &self.set.overrides()?)?;
-        let text = describe(&machine);
-        let mut out = std::io::stdout();
-        out.write_all(text.as_bytes()).map_err(|error| Failure::writing("standard output", &error))
+        print(&describe(&machine))
     }
 }
 
@@ -84,6 +82,7 @@ fn describe(machine: &Machine) -> String {
     text += &cylinders::describe(machine);
     text += &deck::describe(machine);
     text += &canopen(settings);
+    text += &logins(settings);
     text += &stops(machine);
     text += &doubts(machine);
     text += &findings(machine);
@@ -283,6 +282,18 @@ fn canopen(settings: &Settings) -> String {
     };
     let start = if canopen.autostart { "by itself" } else { "when a master starts it" };
     format!("\nCANopen    node {}, {heartbeat}, operational {start}\n", settings.gateway.node)
+}
+
+/// What wrong tokens lead to; empty where there is no token.
+fn logins(settings: &Settings) -> String {
+    let http = &settings.http;
+    match http.token {
+        Some(_) => format!(
+            "\nlogins     an address waits after each wrong token, and is locked out for {} s after {}\n",
+            http.lockout, http.login_failures
+        ),
+        None => String::new(),
+    }
 }
 
 fn findings(machine: &Machine) -> String {

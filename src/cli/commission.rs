@@ -8,12 +8,13 @@ use super::tables;
 use super::update::{Study, Update};
 use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught};
 use crate::config::{self, design};
+use crate::failure::print;
 use crate::report::ReadWith;
 use crate::report::{commission, page};
 use crate::survey::Recording;
 use clap::Args;
 use std::fs;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// Commissions a machine from a healthy recording: identifies, calibrates, tunes, and tries the
@@ -86,9 +87,7 @@ impl Commission {
             version: env!("CARGO_PKG_VERSION"),
         };
         let result = task.run(&study, tell)?;
-        std::io::stdout()
-            .write_all(commission::page(&result, &ReadWith::from(&machine.loaded)).as_bytes())
-            .map_err(|error| Failure::writing("standard output", &error))?;
+        print(&commission::page(&result, &ReadWith::from(&machine.loaded)))?;
         if let Some(report) = report {
             report.write(&figures(&study, &result)?)?;
         }

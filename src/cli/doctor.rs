@@ -7,6 +7,7 @@ use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
 use crate::appliance::flight::FlightPlan;
+use crate::config::visible;
 use crate::frame::BusNumber;
 use clap::{Args, ValueEnum};
 use console::style;
@@ -76,11 +77,12 @@ impl Doctor {
             Format::Human => findings.iter().map(|finding| line(finding) + "\n").collect(),
             Format::Json => {
                 let report = Report { findings: &findings, warned, failed };
-                serde_json::to_string(&report)
-                    .map_err(|error| Failure::Failed(format!("the report: {error}")))?
-                    + "\n"
+                let text = serde_json::to_string(&report);
+                let text = text.map_err(|error| Failure::Failed(format!("the report: {error}")))?;
+                visible(&text).into_owned() + "\n"
             }
         };
+        // The colours are ours, and the rest is escaped below them.
         std::io::stdout()
             .write_all(text.as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
@@ -149,7 +151,7 @@ fn keeps(machine: &Machine, config: &Path) -> Vec<(&'static str, PathBuf)> {
 
 /// The finding in a line, its verdict in colour where the terminal has colours.
 fn line(finding: &Finding) -> String {
-    let text = finding.to_string();
+    let text = visible(&finding.to_string()).into_owned();
     let (word, rest) = text.split_at(text.find(' ').unwrap_or(text.len()));
     match finding.verdict {
         Verdict::Ok => text,

@@ -13,12 +13,12 @@ use crate::evaluate::{
     Evaluation, Extent, Gathering, Grade, Job, Learnt, Lessons, Plan, Product, Stand, StandError,
     Study,
 };
+use crate::failure::print;
 use crate::monitor::MonitorDesign;
 use crate::report::{evaluation, page};
 use crate::simulator::{Options, Tables};
 use crate::tune::Weights;
 use clap::{Args, ValueEnum};
-use std::io::Write;
 use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -246,9 +246,7 @@ impl Evaluate {
             Format::Json => json,
             Format::Human => evaluation::text(&plan, &evaluation, &with),
         };
-        std::io::stdout()
-            .write_all(shown.as_bytes())
-            .map_err(|error| Failure::writing("standard output", &error))
+        print(&shown)
     }
 
     fn extent(&self, settings: &Settings, tables: &Tables) -> Result<Extent, Failure> {

@@ -8,7 +8,8 @@ use crate::appliance::store::{
 };
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::config;
-use crate::report::Zone;
+use crate::config::visible;
+use crate::report::{Zone, counted};
 use crate::time::Timestamp;
 use clap::{Args, ValueEnum};
 use jiff::tz::TimeZone;
@@ -82,12 +83,23 @@ impl Events {
         let written = match self.format {
             Format::Human => {
                 let found = reader.search(&filter, now).map_err(refused)?;
-                self.list(&found.entries, &mut out)
+                self.list(&found.entries, &mut out).map(|()| found.damaged)
             }
             Format::Jsonl => export(&reader, &filter, ExportFormat::Jsonl, now, &mut out),
             Format::Csv => export(&reader, &filter, ExportFormat::Csv, now, &mut out),
         };
-        written.and_then(|()| Ok(out.flush()?)).map_err(refused)
+        let damaged =
+            written.and_then(|damaged| out.flush().map(|()| damaged).map_err(Trouble::from));
+        let damaged = damaged.map_err(refused)?;
+        if damaged > 0 {
+            tell!(
+                "{}: {} with bytes that are no UTF-8, shown as \u{fffd}: the file was damaged; look at the disk, and keep a \
+                 copy of the file",
+                path.display(),
+                counted(damaged as u64, "row"),
+            );
+        }
+        Ok(())
     }
 
     fn list(&self, entries: &[EventEntry], out: &mut impl Write) -> Result<(), Trouble> {
@@ -96,13 +108,13 @@ impl Events {
             writeln!(out, "Nothing of that kind is kept.")?;
         }
         for entry in entries {
-            let (at, id, text) = (zone.moment(entry.at_s), entry.id, &entry.text);
+            let (at, id, text) = (zone.moment(entry.at_s), entry.id, visible(&entry.text));
             match &entry.incident {
                 Some(incident) => {
                     let state = incident.state.replace('_', ", ");
                     writeln!(out, "{at}  incident {id}: {text} [{state}]")?;
                 }
-                None => writeln!(out, "{at}  {}: {text}", entry.kind.replace('_', " "))?,
+                None => writeln!(out, "{at}  {}: {text}", visible(&entry.kind.replace('_', " ")))?,
             }
         }
         Ok(())

@@ -9,11 +9,11 @@ mod step;
 
 use super::Failure;
 use super::replay::processors;
+use crate::failure::print;
 use clap::{Args, ValueEnum};
 use listing::{lines, shell, text};
 use plan::FleetPlan;
 use roster::Roster;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Most machines that are replayed at a time.
@@ -93,9 +93,8 @@ impl Fleet {
             (None, Some(PlanFormat::Jsonl)) => (lines(&fleet), Ok(())),
             (None, Some(PlanFormat::Shell)) => (shell(&fleet), Ok(())),
         };
-        let mut out = std::io::stdout();
-        let written = out.write_all(text.as_bytes());
-        result.and(written.map_err(|error| Failure::writing("standard output", &error)))
+        let written = print(&text);
+        result.and(written)
     }
 
     /// Refuses an option that only the other action has.

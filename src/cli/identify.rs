@@ -5,6 +5,7 @@ use super::files::{Claimed, Overwriting};
 use super::survey::Field;
 use super::tables::{self, InPlace};
 use crate::config::design;
+use crate::failure::print;
 use crate::identify::course::{IdentificationCourse, Options};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
@@ -12,7 +13,6 @@ use crate::report::ReadWith;
 use crate::report::{identification, nonlinear, page};
 use crate::tables::model;
 use clap::{Args, ValueEnum};
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Identifies the model (4-1) of every cylinder on a healthy recording, and validates it on a part
@@ -111,9 +111,7 @@ impl Identify {
             IdentificationCourse { settings, origin, options: self.options() }.run(&surveyed)?;
         let with = ReadWith::from(&surveyed.machine.loaded);
         let text = identification::page(&outcome, &with);
-        std::io::stdout()
-            .write_all(text.as_bytes())
-            .map_err(|error| Failure::writing("standard output", &error))?;
+        print(&text)?;
         self.write(&outcome, output)?;
         if let Some(report) = report {
             report.write(&page::identification::page(&outcome, &with))?;

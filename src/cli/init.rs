@@ -12,12 +12,13 @@ use super::replay::StampOption;
 use crate::bus::{Interfaces, Options};
 use crate::config::design;
 use crate::dbc::Database;
+use crate::failure::print;
 use crate::propose::{Certainty, Heading, Proposal};
 use clap::Args;
 use comfy_table::{ContentArrangement, Table, presets};
 use console::Term;
 use reading::Read;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 /// The interface of a machine whose recording does not tell one.
@@ -106,10 +107,7 @@ impl Init {
         let text = proposal.text(&heading);
         review(place, &text);
         let Some(claimed) = claimed else {
-            let mut out = std::io::stdout();
-            return out
-                .write_all(text.as_bytes())
-                .map_err(|error| Failure::writing("standard output", &error));
+            return print(&text);
         };
         if !self.yes && !asks {
             return Err(Failure::Wrong(format!(

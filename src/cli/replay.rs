@@ -14,6 +14,7 @@ use super::recorded::RecordedInputs;
 use super::recordings;
 use super::state::{self, StateFile};
 use crate::bus::{Options, Recording, Statistics, TimeStamps};
+use crate::config::visible;
 use crate::monitor::{Estimates, Monitor};
 use crate::report::alignment;
 use crate::report::doubtful;
@@ -319,10 +320,11 @@ impl Replay {
         };
         let logs = inputs.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
         let zone = Zone::new(self.time_zone.clone(), output.first, duration.as_seconds());
+        let (inputs, title) = (logs.join(", "), machine.loaded.title());
         let heading = Heading {
-            inputs: &logs.join(", "),
-            machine: &machine.loaded.settings.machine.name,
-            config: &machine.loaded.title(),
+            inputs: &visible(&inputs),
+            machine: &visible(&machine.loaded.settings.machine.name),
+            config: &visible(&title),
             zone: &zone,
             colour: std::io::stdout().is_terminal(),
         };

@@ -9,7 +9,7 @@ use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
-use crate::appliance::http::{DeskPlan, TlsFiles};
+use crate::appliance::http::{DeskPlan, LoginLimits, TlsFiles};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::mqtt::{Authority, EdgeNode, MqttPlan};
 use crate::appliance::realtime;
@@ -130,6 +130,10 @@ fn prepare(
         tls: tls_files(path, &machine),
         desk: DeskPlan {
             token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
+            logins: LoginLimits {
+                failures: settings.http.login_failures,
+                lockout: Duration::from_secs_f64(settings.http.lockout),
+            },
             recordings: flight.as_ref().map(|flight| flight.folder.clone()),
             patient: Some(doctor::wanted(&machine, path)),
         },

@@ -6,9 +6,9 @@ use super::files::{self, Claimed, Inputs, Mark, Overwriting};
 use super::machine::{Designer, Machine};
 use super::survey::{Field, Surveyed};
 use crate::config::{self, Overrides, edit};
+use crate::failure::print;
 use clap::Args;
 use similar::TextDiff;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Claims the files for the tables and the page of `command`, which reads `surveyed`, before minutes are spent on them.
@@ -153,9 +153,7 @@ pub fn show(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
     let difference = TextDiff::from_lines(before, after);
     let name = path.display().to_string();
     let shown = difference.unified_diff().header(&name, "with the tables").to_string();
-    std::io::stdout()
-        .write_all(shown.as_bytes())
-        .map_err(|error| Failure::writing("standard output", &error))
+    print(&shown)
 }
 
 /// Replaces the text `before` of the file `path` by `after`, and keeps the previous file beside it.
@@ -196,9 +194,7 @@ fn keep(path: &Path, text: &str) -> Result<PathBuf, Failure> {
 /// # Errors
 /// Neither standard output nor the file can be written.
 pub fn publish(page: &str, output: Option<Claimed>, tables: Option<&str>) -> Result<(), Failure> {
-    std::io::stdout()
-        .write_all(page.as_bytes())
-        .map_err(|error| Failure::writing("standard output", &error))?;
+    print(page)?;
     output.zip(tables).map_or(Ok(()), |(output, tables)| output.write(tables))
 }
 

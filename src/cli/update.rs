@@ -5,6 +5,7 @@ use super::files::{Inputs, Mark, Overwriting};
 use super::learnt_file::{LearntFile, Prepared};
 use super::survey::{Surveyed, placed};
 use crate::calibrate::Cuts;
+use crate::failure::print;
 use crate::frame::Frame;
 use crate::learnt::thinning::Visiting;
 use crate::learnt::{
@@ -12,7 +13,6 @@ use crate::learnt::{
 };
 use crate::monitor::Counts;
 use crate::survey::{Frames, Origin, Recording, Rows, Surveyor, Timeline, Window};
-use std::io::Write;
 use std::path::Path;
 
 /// How a recording is added to what is kept.
@@ -75,7 +75,7 @@ impl Study {
         let earlier = earlier.unwrap_or(Learnt { machine, ..Learnt::default() });
         let novel = novel(&surveyed, &earlier)?;
         if novel.is_empty() {
-            say(&format!(
+            print(&format!(
                 "{} was already learnt: it is in {}, and nothing changes\n",
                 surveyed.inputs(),
                 file.path().display()
@@ -108,7 +108,7 @@ impl Study {
             )));
         }
         let told: String = judgement.left_out.iter().map(|line| format!("{line}\n")).collect();
-        say(&told)?;
+        print(&told)?;
         let mut timeline = Timeline::default();
         keeping.merged(
             surveyed,
@@ -285,10 +285,4 @@ fn seals(config: &str, layout: &[u8]) -> Result<Seals, Failure> {
 
 fn counted(parts: usize) -> String {
     if parts == 1 { "1 recording".to_owned() } else { format!("{parts} recordings") }
-}
-
-fn say(text: &str) -> Result<(), Failure> {
-    std::io::stdout()
-        .write_all(text.as_bytes())
-        .map_err(|error| Failure::writing("standard output", &error))
 }

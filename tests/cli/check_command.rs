@@ -614,3 +614,23 @@ fn a_sequential_table_of_an_earlier_version_is_refused() {
     let words = ["[cylinder[0].sequential] lacks `noise`", "a table without it is of an earlier"];
     check(&path).failed(2, &words);
 }
+
+#[test]
+fn what_wrong_tokens_lead_to_is_told_and_a_token_that_everybody_tries_is_refused() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[]);
+    let text = fs::read_to_string(&config).expect("it was written");
+    let with = |digest: &str| format!("{text}\n[http]\ntoken = \"{digest}\"\nlockout = 60.0\n");
+    let random = "8d1d2c4c9f6a1b1be0a6e4a77c6f9b0d5a0fbf2f5e0c4f4f7f0f4a3b2a7d6c19";
+    let told = check(&scratch.write("random.toml", with(random))).ok().stdout;
+    assert!(
+        told.contains(
+            "an address waits after each wrong token, and is locked out for 60 s after 10"
+        ),
+        "{told}"
+    );
+    // As `printf %s test | sha256sum` has it.
+    let test = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08";
+    let words = ["that of \"test\"", "`tertius token` makes a token of 128 random bits"];
+    check(&scratch.write("test.toml", with(test))).failed(2, &words);
+}

@@ -42,3 +42,4 @@ mod simulate;
 mod single;
 mod stamps;
 mod state;
+mod terminal;

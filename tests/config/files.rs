@@ -105,6 +105,33 @@ fn a_machine_in_one_folder_is_the_same_machine() {
     assert_eq!(settings, there.settings);
 }
 
+/// Where things are kept, who logs in and by what is nobody's business elsewhere, and changes nothing of what is judged.
+#[test]
+fn what_is_given_away_has_no_token_and_no_paths_of_the_site() {
+    let digest = "8d1d2c4c9f6a1b1be0a6e4a77c6f9b0d5a0fbf2f5e0c4f4f7f0f4a3b2a7d6c19";
+    let site = format!(
+        "\n[http]\ntoken = \"{digest}\" # of Eva\ncertificate = \"/srv/site/page.crt\"\nkey = \"/srv/site/page.key\"\n\
+         [mqtt]\nbroker = \"broker.example:8883\"\nuser = \"site-user\"\npassword = \"/srv/site/secret\"\n\
+         authority = \"/srv/site/ca.crt\"\n[store]\nfile = \"/srv/site/kept.events\"\nsize = 64\n\
+         [recorder]\nfolder = \"/srv/site/recordings\"\n"
+    );
+    let dbc = fs::read(top().join("dbc/e-type.dbc")).expect("it ships");
+    let there = folder((EXAMPLE.to_owned() + &site).as_bytes(), Some(&dbc));
+    let loaded = load(&there.path().join("config/machine.toml")).expect("it is sound");
+    let files = loaded.portable(&[]).expect("it is TOML");
+    let text = String::from_utf8(files[0].bytes.clone()).expect("text");
+    for word in [digest, "/srv/site", "site-user", "Eva"] {
+        assert!(!text.contains(word), "{word} is in\n{text}");
+    }
+    assert!(text.contains("size = 64"), "{text}");
+    let here = tempfile::tempdir().expect("there is room");
+    for file in &files {
+        fs::write(here.path().join(&file.name), &file.bytes).expect("the folder is ours");
+    }
+    let elsewhere = load(&here.path().join(MACHINE_FILE)).expect("it is whole");
+    assert_eq!(elsewhere.fingerprints(), loaded.fingerprints(), "it is the same machine");
+}
+
 /// The identities of the machine with this configuration and DBC.
 fn fingerprints(config: &str, dbc: &[u8]) -> Fingerprints {
     let folder = folder(config.as_bytes(), Some(dbc));

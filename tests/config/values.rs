@@ -1,6 +1,7 @@
 //! Values that are out of range or contradict each other.
 
-use crate::common::{self, broken, refusal, refused};
+use crate::common::{self, EXAMPLE, broken, refusal, refused};
+use tertius::appliance::http::TokenDigest;
 use tertius::config::settings::CylinderSignals;
 
 #[test]
@@ -455,4 +456,23 @@ fn a_list_in_braces_has_a_name_for_each_cylinder() {
         "one name for each cylinder",
     );
     refused(r#"c1 = "Cyl{n}_C1.Position""#, r#"c1 = "{A,B.Position""#, "", "{Port,Starboard}");
+}
+
+/// Whose token is one that everybody tries first, is told at the start and not by whoever tries it.
+#[test]
+fn a_token_that_everybody_tries_first_is_refused() {
+    let refused = |digest: &str| {
+        let text = format!("{EXAMPLE}\n[http]\ntoken = \"{digest}\"\n");
+        tertius::config::parse("machine.toml", &text).err().map(|error| error.to_string())
+    };
+    for (token, _) in tertius::config::WEAK_TOKENS {
+        let digest = TokenDigest::of(token).to_string();
+        for digest in [digest.clone(), digest.to_uppercase()] {
+            let told = refused(&digest).unwrap_or_else(|| panic!("{token:?} is taken"));
+            assert!(told.contains("`tertius token` makes"), "{told}");
+        }
+    }
+    assert!(refused(&TokenDigest::of("test\n").to_string()).is_some(), "as `echo` makes it");
+    let random = TokenDigest::of("6f1d9a0c2b7e4835a1c0d9e8f7b6a594").to_string();
+    assert_eq!(refused(&random), None);
 }

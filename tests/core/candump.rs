@@ -280,7 +280,7 @@ fn a_report_names_place_reason_and_text_without_touching_the_terminal() {
     assert_eq!(
         report,
         "test:2: found the byte 0x1B in the data, expected a hexadecimal digit: \
-         (1.0) can0 123#1\\u{1b}[2J\u{FFFD}\\u{0}\\u{202e}"
+         (1.0) can0 123#1\\u001b[2J\u{FFFD}\\u0000\\u202e"
     );
     let (_, statistics) = read("x".repeat(500).as_bytes());
     assert_eq!(statistics.first_bad_lines[0].text, format!("{}…", "x".repeat(80)));

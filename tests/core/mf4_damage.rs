@@ -9,7 +9,7 @@ use tertius::frame::Frame;
 use tertius_testing::candump::{read, read_in_pieces};
 
 use crate::mf4::{excerpt, forms};
-use crate::mf4_writer::{Form, Stored, file};
+use crate::mf4_writer::{Form, Stored, bombs, file};
 
 #[test]
 fn a_flaw_says_what_was_expected_and_where() {
@@ -48,6 +48,19 @@ fn a_flaw_says_what_was_expected_and_where() {
         let is_damage = at != 88 || value != 0;
         assert_eq!(statistics.damaged_inputs, u64::from(is_damage), "{told}");
     }
+}
+
+/// What unpacks to a thousand times its size is refused before it is unpacked at many places at the same time.
+#[test]
+fn blocks_that_unpack_to_more_than_there_is_room_for_are_refused() {
+    let (_, statistics) = read(&bombs(64, 16 << 20));
+    let told = statistics.first_bad_lines[0].reason.to_string();
+    let expected = "found a compressed block of 16777216 bytes, expected at most 2097152";
+    assert!(told.starts_with(expected) && told.contains("at 64 places"), "{told}");
+    assert!(statistics.damaged_inputs > 0);
+    // What loggers write fits in.
+    let (frames, statistics) = read(&bombs(8, 4 << 20));
+    assert!(!frames.is_empty(), "{:?}", statistics.first_bad_lines);
 }
 
 /// Numbers that are far out of any range are told of each frame.

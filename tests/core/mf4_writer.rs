@@ -320,3 +320,25 @@ fn one_by_one(writer: &mut Writer, form: Form, data: [&[u8]; 4]) -> u64 {
     let data = writer.data(form, "DT", frames, length);
     writer.block("DG", &[next, group, data, 0], &[0; 8])
 }
+
+/// A file of so many sets of data, each a compressed block of so many bytes, of which none is a frame.
+pub fn bombs(sets: usize, length: usize) -> Vec<u8> {
+    let mut writer = Writer { bytes: Vec::new(), marks: 0 };
+    writer.bytes.extend([&b"MDF     4.11    test    "[..], &[0; 40]].concat());
+    let header = writer.block("HD", &[0; 6], &[&START.to_le_bytes()[..], &[0; 24]].concat());
+    let zeros = vec![0; length];
+    let mut packer = ZlibEncoder::new(Vec::new(), Compression::best());
+    packer.write_all(&zeros).expect("a vector takes all");
+    let packed = packer.finish().expect("a vector takes all");
+    let lengths = [length as u64, packed.len() as u64].map(u64::to_le_bytes).concat();
+    let block = [&b"DT"[..], &[0; 6], &lengths, &packed].concat();
+    let mut next = 0;
+    for _ in 0..sets {
+        let channels = writer.channels(Form::default(), "CAN_DataFrame", Some((0, 512, 0)));
+        let group = writer.group([0, channels], 0, 6, length / 78, 78);
+        let data = writer.block("DZ", &[], &block);
+        next = writer.block("DG", &[next, group, data, 0], &[0; 8]);
+    }
+    writer.bytes[header as usize + 24..][..8].copy_from_slice(&next.to_le_bytes());
+    writer.bytes
+}

@@ -66,6 +66,22 @@ fn the_store_has_the_incidents_that_a_replay_finds() {
 }
 
 #[test]
+fn what_is_kept_does_nothing_to_a_terminal() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, log) = stage(folder.path());
+    run(&config, &log);
+    let store = rusqlite::Connection::open(folder.path().join("kept.events")).expect("it is there");
+    let evil = "\u{1b}[2J\u{9b}31m\u{202e}";
+    store.execute("UPDATE events SET text = ?1 || text", [evil]).expect("it is free");
+    for format in ["human", "jsonl", "csv"] {
+        let shown = events(&config, &["--format", format]).ok().stdout;
+        assert!(shown.contains("\\u001b[2J\\u009b31m\\u202e"), "{shown}");
+        let acts = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
+        assert!(!shown.contains(acts), "{shown:?}");
+    }
+}
+
+#[test]
 fn each_start_and_stop_is_an_event_and_csv_says_it_too() {
     let folder = tempfile::tempdir().expect("there is room");
     let (config, log) = stage(folder.path());

@@ -394,7 +394,7 @@ fn only_what_there_is_is_answered_and_only_without_a_body() {
     assert!(listing.body.contains("/health") && listing.body.contains("/metrics"));
     assert_eq!(bench.ask("/etc/passwd").code, 404);
     let request = |request: &str| ask(&bench.server, request).code;
-    assert_eq!(request("POST /health HTTP/1.1\r\nHost: here\r\n\r\n"), 405);
+    assert_eq!(request("POST /health HTTP/1.1\r\nHost: localhost\r\n\r\n"), 405);
     assert_eq!(request("GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc"), 413);
     let long = format!("GET / HTTP/1.1\r\nHost: localhost\r\nLong: {}\r\n\r\n", "x".repeat(9000));
     assert_eq!(request(&long), 431);
@@ -572,10 +572,13 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let failures = "\ntertius_store_failures_total 0\n";
     let locked = later(&healthy, failures, "\ntertius_store_failures_total 3\n");
     let full = later(&healthy, failures, "\ntertius_store_failures_total 20\n");
+    let tokens = "\ntertius_login_failures_total 0\n";
+    let mistyped = later(&healthy, tokens, "\ntertius_login_failures_total 3\n");
+    let tried = later(&healthy, tokens, "\ntertius_login_failures_total 20\n");
     let failures = "\ntertius_recorder_failures_total 0\n";
     let unrecorded = later(&healthy, failures, "\ntertius_recorder_failures_total 1\n");
     let cases = serde_json::json!({
-        "locked": locked, "full": full, "unrecorded": unrecorded,
+        "mistyped": mistyped, "tried": tried, "locked": locked, "full": full, "unrecorded": unrecorded,
         "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
         "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
         "again": again, "contradicting": contradicting, "short": short,
@@ -595,13 +598,14 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
         "OwnFramesImitated",
         "SyncDoubtful",
         "EventsNotKept",
+        "TokensTried",
         "IncidentsNotRecorded",
     ];
     assert_eq!(told["rules"], serde_json::json!(rules));
     let expected = serde_json::json!({
         "healthy": [], "faulty": ["Warning"], "still": ["Blind"], "quiet": ["Blind"],
         "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
-        "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
+        "mistyped": [], "tried": ["TokensTried"], "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
         "dropping": ["FramesLost"], "contradicting": ["FramesContradict"], "short": ["FramesContradict"],
         "imitated": ["OwnFramesImitated"], "flooded": ["SyncDoubtful"],
         "again": ["IncidentsAgainAndAgain"],

@@ -73,7 +73,7 @@ fn health_is_there_before_the_interface_and_moves_with_a_reload() {
     let address = line.split("http://").nth(1).and_then(|rest| rest.split('/').next());
     let address = address.expect("an address").to_owned();
     let mut stream = TcpStream::connect(&address).expect("it listens");
-    stream.write_all(b"GET /health HTTP/1.1\r\nHost: here\r\n\r\n").expect("it reads");
+    stream.write_all(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n").expect("it reads");
     let mut answer = String::new();
     stream.read_to_string(&mut answer).expect("it answers");
     assert!(answer.starts_with("HTTP/1.1 503 "), "{answer}");

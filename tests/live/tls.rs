@@ -8,7 +8,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tempfile::TempDir;
-use tertius::appliance::http::{Desk, DeskPlan, Identity, Server, TlsFiles, TokenDigest};
+use tertius::appliance::http::{
+    Desk, DeskPlan, Identity, LoginLimits, Server, TlsFiles, TokenDigest,
+};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::{Clock, SystemClock};
 use tertius_testing::certificates::{allow, certify};
@@ -115,6 +117,13 @@ fn who_is_not_logged_in_reads_nothing_and_who_is_can_read_and_leave() {
     );
     assert_eq!(office.get("/assets/page.css", "").code, 200, "the form needs it");
     assert_eq!(office.get("/health", "").code, 503, "what machines read: nothing turns here");
+    for path in ["/", "/login", "/health", "/metrics", "/assets/page.css"] {
+        let answer = office.get(path, "");
+        assert_eq!(header(&answer, "strict-transport-security"), Some("max-age=2592000"), "{path}");
+        assert_eq!(header(&answer, "x-content-type-options"), Some("nosniff"), "{path}");
+    }
+    let other = office.ask("GET /health HTTP/1.1\r\nHost: box.example\r\n\r\n");
+    assert_eq!(other.code, 503, "a monitoring system may know this computer by any name");
 
     let cookie = office.cookie();
     let page = office.get("/", &cookie);
@@ -142,9 +151,7 @@ fn a_login_without_all_that_it_needs_is_refused() {
         assert_eq!(header(&answer, "set-cookie"), None, "{}", answer.head);
         answer.code
     };
-    for body in
-        ["", "token=", "token=0", &format!("token={TOKEN}0"), &format!("other={TOKEN}"), "\u{e4}"]
-    {
+    for body in ["", &format!("token={TOKEN}0"), &format!("other={TOKEN}"), "\u{e4}"] {
         assert_eq!(enter("", body), 401, "{body}");
     }
     let right = format!("token={TOKEN}");
@@ -170,6 +177,37 @@ fn a_login_without_all_that_it_needs_is_refused() {
     let refused = office.get("/", &cookie);
     assert!(refused.code == 403 && refused.body.contains("tertius token"), "{}", refused.body);
     assert_eq!(office.post("/login", "", &right).code, 403);
+}
+
+#[test]
+fn wrong_tokens_are_counted_slowed_down_and_locked_out() {
+    let office = Office::new();
+    let cookie = office.cookie();
+    let logins = LoginLimits { failures: 6, lockout: Duration::from_secs(300) };
+    let token = Some(TokenDigest::of(TOKEN));
+    office.desk.follow(DeskPlan { token, logins, ..DeskPlan::default() });
+    for n in 0..5 {
+        assert_eq!(office.post("/login", "", &format!("token={n}")).code, 401, "{n}");
+    }
+    let wait = |answer: &Answer| -> u64 {
+        assert_eq!(answer.code, 429, "{}", answer.body);
+        assert!(answer.body.contains("too many wrong tokens; try again in"), "{}", answer.body);
+        header(answer, "retry-after").and_then(|wait| wait.parse().ok()).expect("seconds")
+    };
+    let right = format!("token={TOKEN}");
+    assert_eq!(wait(&office.post("/login", "", &right)), 1, "also with the right one");
+    let bearer =
+        |token: &str| office.get("/api/overview", &format!("Authorization: Bearer {token}\r\n"));
+    assert_eq!(wait(&bearer(TOKEN)), 1, "by whatever way");
+    let mut last = bearer("wrong");
+    wait_for("another try", || {
+        last = bearer("wrong");
+        last.code == 401
+    });
+    assert!(wait(&bearer(TOKEN)) > 290, "it is locked out");
+    assert_eq!(office.get("/api/overview", &cookie).code, 200, "who is in stays in");
+    let metrics = office.get("/metrics", "").body;
+    assert!(metrics.contains("\ntertius_login_failures_total 6\n"), "{metrics}");
 }
 
 #[test]

@@ -8,6 +8,19 @@ use toml::{Table, Value};
 /// Tables of what was measured of the machine, and not chosen.
 const MEASURED: [&str; 3] = ["model", "calibration", "cylinder"];
 
+/// Keys of the site, which change nothing of what is judged: what is given away does not have them.
+pub(super) const SITE: [(&str, &str); 9] = [
+    ("http", "token"),
+    ("http", "certificate"),
+    ("http", "key"),
+    ("mqtt", "user"),
+    ("mqtt", "password"),
+    ("mqtt", "authority"),
+    ("store", "file"),
+    ("recorder", "folder"),
+    ("sequential", "history"),
+];
+
 /// A CRC-32 by which files with the same meaning are known: eight hexadecimal digits. It tells
 /// configurations apart, and is no protection against forgery.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +42,7 @@ impl fmt::Display for Fingerprint {
 /// The identities of a machine's configuration.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fingerprints {
-    /// Of all keys with their values, and of the bytes of the DBC and the EDS files.
+    /// Of all keys with their values but for paths, logins and the token, and of the bytes of the DBC and the EDS files.
     pub configuration: Fingerprint,
     /// Of the tables that `identify`, `calibrate` and `commission` write; `None` where no cylinder has one.
     pub calibration: Option<Fingerprint>,
@@ -61,6 +74,7 @@ impl Loaded {
             measured.map(|(name, value)| (name.clone(), value.clone())).collect();
         forget_chosen(measured.get_mut("cylinder"));
         remove(whole.get_mut("bus"), "dbc");
+        SITE.iter().for_each(|(table, key)| remove(whole.get_mut(*table), key));
         let devices = whole.get_mut("canopen").and_then(|canopen| canopen.get_mut("device"));
         for device in devices.and_then(Value::as_array_mut).into_iter().flatten() {
             remove(Some(device), "eds");

@@ -27,6 +27,7 @@ mod schema;
 pub mod settings;
 mod text;
 pub mod units;
+mod visible;
 mod walk;
 
 use serde::Deserialize;
@@ -42,6 +43,8 @@ pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use relocate::relocate;
 pub use settings::Settings;
+pub use text::WEAK_TOKENS;
+pub use visible::{visible, visible_lines};
 
 pub use text::LONGEST_TAG;
 

@@ -1,5 +1,6 @@
 //! A configuration and all that it names, as files of one folder, so that it can be read elsewhere.
 
+use super::identity::SITE;
 use super::loader::Loaded;
 use std::collections::BTreeMap;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, TableLike, TomlError};
@@ -17,7 +18,8 @@ pub struct PortableFile {
 
 impl Loaded {
     /// The configuration, as [`MACHINE_FILE`], with its DBC and its EDS files, as they were read, and with the overrides in force: paths are
-    /// replaced by names in one folder, and everything else stays. Names in `taken` are not used.
+    /// replaced by names in one folder. What is of the site and of no use elsewhere is left out: where things are kept, the
+    /// digest of the token, certificates and who logs in at a broker. Everything else stays. Names in `taken` are not used.
     ///
     /// # Errors
     /// The configuration is not TOML, which cannot be of one that was loaded.
@@ -45,6 +47,11 @@ impl Loaded {
             let name = device.get("eds").and_then(Item::as_str).and_then(|eds| sheets.get(eds));
             if let Some(name) = name.cloned() {
                 replace(Some(device), "eds", &name);
+            }
+        }
+        for (table, key) in SITE {
+            if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
+                table.remove(key);
             }
         }
         files[0].bytes = document.to_string().into_bytes();

@@ -1,5 +1,9 @@
 //! Rules for texts in the configuration.
 
+mod weak;
+
+pub use weak::{WEAK_TOKENS, weak_token};
+
 use std::net::SocketAddr;
 use tertius_core::frame::BusNumber;
 
@@ -128,7 +132,15 @@ impl TextRule {
             Self::Topic => fault("the first levels of a topic", TOPIC_HELP),
             Self::EdgeNode if is_topic(text) && text.split('/').count() == 2 => Ok(()),
             Self::EdgeNode => fault("of the form GROUP/NODE", EDGE_HELP),
-            Self::Digest if is_digest(text) => Ok(()),
+            Self::Digest if is_digest(text) => match weak_token(text) {
+                None => Ok(()),
+                Some(token) => {
+                    let must = format!(
+                        "the digest of a token that nobody guesses, and this is that of {token:?}"
+                    );
+                    fault(must, "`tertius token` makes a token of 128 random bits, and its digest")
+                }
+            },
             Self::Digest => fault("64 hexadecimal digits", DIGEST_HELP),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),
             Self::Day if is_day(text) => Ok(()),

@@ -11,6 +11,7 @@ use super::document::Document;
 use super::problem::Problems;
 use super::schema::{Key, Kind, Scalar, Table};
 use super::settings::ROOT;
+use super::visible::visible;
 
 /// Most characters of a user's key or value that a message repeats.
 const SHOWN: usize = 60;
@@ -316,9 +317,5 @@ fn table_name(path: &str) -> String {
 fn shown(text: &str) -> String {
     let short: String = text.chars().take(SHOWN).collect();
     let dots = if short.len() < text.len() { "…" } else { "" };
-    let safe: String = short
-        .chars()
-        .flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] })
-        .collect();
-    format!("{safe}{dots}")
+    format!("{}{dots}", visible(&short))
 }

@@ -1,16 +1,20 @@
 //! What people do with alarms. No act changes a frame on the bus or mutes a detector.
 
 use super::Shared;
+use super::attempts::Trial;
+use super::connections::Connection;
 use super::guard::is_from_here;
 use crate::alarm_list::ActKind;
 use crate::appliance::store::{ActError, AlarmAct};
 use crate::time::Span;
+use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::{Path, State};
 use axum::http::header::{CONTENT_TYPE, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -36,11 +40,12 @@ struct Told {
 pub(super) async fn act(
     State(shared): State<Shared>,
     Path((incident, name)): Path<(i64, String)>,
+    Extension(connection): Extension<Arc<Connection>>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
-    if let Some(refusal) = refusal(&shared, &headers) {
-        return refused(refusal);
+    if let Some(refusal) = refusal(&shared, &connection, &headers) {
+        return refusal;
     }
     let told: Told = match serde_json::from_slice(&body) {
         Ok(told) => told,
@@ -71,9 +76,13 @@ pub(super) async fn act(
 }
 
 /// `POST /api/record`: a recording of the last frames, as SIGUSR1 asks for it.
-pub(super) async fn record(State(shared): State<Shared>, headers: HeaderMap) -> Response {
-    if let Some(refusal) = refusal(&shared, &headers) {
-        return refused(refusal);
+pub(super) async fn record(
+    State(shared): State<Shared>,
+    Extension(connection): Extension<Arc<Connection>>,
+    headers: HeaderMap,
+) -> Response {
+    if let Some(refusal) = refusal(&shared, &connection, &headers) {
+        return refusal;
     }
     if shared.desk.plan().recordings.is_none() {
         let told =
@@ -94,32 +103,29 @@ fn answer(error: &ActError) -> Response {
     (code, format!("{error}\n")).into_response()
 }
 
-/// A code, and words for it.
-type Refusal = (StatusCode, &'static str);
-
 /// Why a request is not admitted: only those of this page are, by people who have the token. A page from elsewhere has
 /// neither: it can send no header of its own, and no JSON, without asking first, and nothing here answers that question.
-fn refusal(shared: &Shared, headers: &HeaderMap) -> Option<Refusal> {
+fn refusal(shared: &Shared, connection: &Connection, headers: &HeaderMap) -> Option<Response> {
+    let refused = |code: StatusCode, told: &'static str| Some((code, told).into_response());
     if !is_from_here(headers) {
-        return Some((StatusCode::FORBIDDEN, "this did not come from the gateway's own page\n"));
+        return refused(StatusCode::FORBIDDEN, "this did not come from the gateway's own page\n");
     }
     let json = headers.get(CONTENT_TYPE).is_some_and(|kind| kind.as_bytes() == b"application/json");
     if !json {
-        return Some((StatusCode::UNSUPPORTED_MEDIA_TYPE, "an act is application/json\n"));
+        return refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, "an act is application/json\n");
     }
     let Some(token) = &shared.desk.plan().token else {
         let told = "acts are off: `tertius token` makes a token, whose digest belongs into [http] of the \
                     configuration\n";
-        return Some((StatusCode::FORBIDDEN, told));
+        return refused(StatusCode::FORBIDDEN, told);
     };
-    let told = "the token is missing or wrong\n";
-    (!token.admits(headers)).then_some((StatusCode::UNAUTHORIZED, told))
-}
-
-fn refused((code, told): Refusal) -> Response {
-    let mut response = (code, told).into_response();
-    if code == StatusCode::UNAUTHORIZED {
-        response.headers_mut().insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+    match shared.try_header(connection, headers, token) {
+        Some(Trial::Right) => None,
+        Some(Trial::TooSoon(refusal)) => Some(refusal),
+        Some(Trial::Wrong) | None => {
+            let header = [(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"))];
+            let told = "the token is missing or wrong\n";
+            Some((StatusCode::UNAUTHORIZED, header, told).into_response())
+        }
     }
-    response
 }

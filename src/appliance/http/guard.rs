@@ -1,12 +1,13 @@
 //! What every request has to pass, and what every answer says to the browser.
 
 use super::Shared;
+use super::attempts::Trial;
 use super::connections::Connection;
 use super::page::NO_TOKEN;
 use axum::extract::{Request, State};
 use axum::http::header::{
     CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, LOCATION, ORIGIN, REFERRER_POLICY,
-    TRANSFER_ENCODING, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
+    STRICT_TRANSPORT_SECURITY, TRANSFER_ENCODING, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
 };
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
@@ -58,13 +59,37 @@ pub(super) async fn only_known_hosts(
             false => (StatusCode::FORBIDDEN, FAR).into_response(),
         };
     }
-    let host = request.headers().get(HOST).and_then(|host| host.to_str().ok());
+    match misdirected(&shared, request.headers()) {
+        Some(refusal) => refusal,
+        None => next.run(request).await,
+    }
+}
+
+/// As [`only_known_hosts`] for what machines read without a login: on another address a monitoring system may know this
+/// computer by any name.
+pub(super) async fn only_known_machines(
+    State(shared): State<Shared>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let refusal = { shared.address.ip().is_loopback() }
+        .then(|| misdirected(&shared, request.headers()))
+        .flatten();
+    match refusal {
+        Some(refusal) => refusal,
+        None => next.run(request).await,
+    }
+}
+
+/// The refusal of a request to another host; `None` if it is to this one.
+fn misdirected(shared: &Shared, headers: &HeaderMap) -> Option<Response> {
+    let host = headers.get(HOST).and_then(|host| host.to_str().ok());
     if host.is_some_and(is_own) {
-        return next.run(request).await;
+        return None;
     }
     let told =
         format!("this gateway is http://{}/; it does not answer to another name\n", shared.address);
-    (StatusCode::MISDIRECTED_REQUEST, told).into_response()
+    Some((StatusCode::MISDIRECTED_REQUEST, told).into_response())
 }
 
 /// Refuses a login on a connection that others can read.
@@ -91,8 +116,14 @@ async fn only_known_people(shared: &Shared, request: Request, next: Next) -> Res
     let Some(token) = shared.desk.plan().token else {
         return (StatusCode::FORBIDDEN, NO_TOKEN).into_response();
     };
-    if token.admits(headers) || shared.sessions.admit(headers, &token, shared.clock.uptime()) {
+    if shared.sessions.admit(headers, &token, shared.clock.uptime()) {
         return next.run(request).await;
+    }
+    let connection = request.extensions().get::<Arc<Connection>>();
+    match connection.and_then(|connection| shared.try_header(connection, headers, &token)) {
+        Some(Trial::Right) => return next.run(request).await,
+        Some(Trial::TooSoon(refusal)) => return refusal,
+        Some(Trial::Wrong) | None => {}
     }
     if path == "/" {
         return (StatusCode::SEE_OTHER, [(LOCATION, "/login")]).into_response();
@@ -123,9 +154,17 @@ fn is_own(host: &str) -> bool {
         || name.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
 }
 
+/// For how long a browser comes by https only once it has, s: a month, since a box may lose its certificate.
+const HSTS: &str = "max-age=2592000";
+
 /// Adds what the browser has to know.
 pub(super) async fn with_policy(request: Request, next: Next) -> Response {
+    let encrypted = is_encrypted(&request);
     let mut response = next.run(request).await;
+    if encrypted {
+        let hsts = HeaderValue::from_static(HSTS);
+        response.headers_mut().insert(STRICT_TRANSPORT_SECURITY, hsts);
+    }
     for (name, value) in HEADERS {
         response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
     }

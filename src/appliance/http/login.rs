@@ -1,13 +1,17 @@
 //! The login of those who read from another computer.
 
+use super::attempts::Trial;
+use super::connections::Connection;
 use super::guard::is_from_here;
 use super::{Shared, page};
+use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::{Query, State};
 use axum::http::header::{CONTENT_SECURITY_POLICY, LOCATION, REFERRER_POLICY, SET_COOKIE};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use std::sync::Arc;
 
 /// Most bytes of a login.
 pub(super) const LONGEST_LOGIN: usize = 1024;
@@ -32,6 +36,7 @@ pub(super) async fn form() -> Response {
 /// `POST /login`: opens a session for who has the token.
 pub(super) async fn enter(
     State(shared): State<Shared>,
+    Extension(connection): Extension<Arc<Connection>>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
@@ -46,8 +51,11 @@ pub(super) async fn enter(
     let query =
         std::str::from_utf8(&body).ok().and_then(|body| format!("/?{body}").parse::<Uri>().ok());
     let given = query.and_then(|uri| Query::<Form>::try_from_uri(&uri).ok());
-    if !given.is_some_and(|Query(form)| token.is_of(form.token.trim())) {
-        return with_form(StatusCode::UNAUTHORIZED, "This is not the token.");
+    let is_right = || given.is_some_and(|Query(form)| token.is_of(form.token.trim()));
+    match shared.try_token(&connection, is_right) {
+        Trial::Right => {}
+        Trial::Wrong => return with_form(StatusCode::UNAUTHORIZED, "This is not the token."),
+        Trial::TooSoon(refusal) => return refusal,
     }
     match shared.sessions.open(token, shared.clock.uptime()) {
         Ok(cookie) => to("/", &cookie),

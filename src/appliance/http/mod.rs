@@ -4,6 +4,7 @@
 
 mod acts;
 mod api;
+mod attempts;
 mod connections;
 mod events;
 mod examination;
@@ -11,6 +12,7 @@ mod guard;
 mod login;
 mod page;
 mod recordings;
+mod sending;
 mod sessions;
 mod stream;
 mod tls;
@@ -22,6 +24,8 @@ use super::store::{StoreHandle, StoreState};
 use super::telemetry::clock::Clock;
 use super::telemetry::exposition::{CONTENT_TYPE, PLAIN_CONTENT_TYPE, exposition, plain};
 use super::telemetry::{Recorder, Telemetry};
+use attempts::Attempts;
+pub use attempts::LoginLimits;
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
 use axum::http::header::{ACCEPT, CACHE_CONTROL, CONTENT_TYPE as TYPE};
@@ -31,6 +35,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use connections::Identities;
 use examination::Examined;
+use sending::Places;
 use sessions::Sessions;
 use std::io;
 use std::net::SocketAddr;
@@ -64,6 +69,8 @@ pub struct Desk {
 pub struct DeskPlan {
     /// Digest of the token that acts need; `None`: there are no acts.
     pub token: Option<TokenDigest>,
+    /// What wrong tokens lead to.
+    pub logins: LoginLimits,
     /// Folder of the flight recorder; `None`: nothing is recorded.
     pub recordings: Option<PathBuf>,
     /// What the doctor has to know of the configuration; `None`: nothing is examined.
@@ -117,7 +124,9 @@ impl Server {
             address,
             desk,
             examined: Examined::default(),
+            places: Arc::default(),
             sessions: Arc::default(),
+            attempts: Arc::default(),
         };
         let accepting = Arc::clone(&identities);
         let runtime = tokio::runtime::Builder::new_current_thread()
@@ -162,8 +171,12 @@ struct Shared {
     address: SocketAddr,
     desk: Desk,
     examined: Examined,
+    /// Those who are sent something long.
+    places: Arc<Places>,
     /// Who has logged in.
     sessions: Arc<Sessions>,
+    /// Who has tried to.
+    attempts: Arc<Attempts>,
 }
 
 impl Shared {
@@ -200,14 +213,15 @@ fn router(shared: Shared) -> Router {
         .layer(from_fn(guard::without_body))
         .merge(acts)
         .layer(from_fn_with_state(shared.clone(), guard::only_known_hosts))
-        .merge(entrance)
-        .layer(from_fn(guard::with_policy));
-    // What machines read: a monitoring system may know this computer by any name.
+        .merge(entrance);
+    // What machines read.
     Router::new()
         .route("/health", get(health))
         .route("/metrics", get(metrics))
         .layer(from_fn(guard::without_body))
+        .layer(from_fn_with_state(shared.clone(), guard::only_known_machines))
         .merge(people)
+        .layer(from_fn(guard::with_policy))
         .with_state(shared)
 }
 

@@ -28,6 +28,12 @@ impl Backlog {
         self.notes.len()
     }
 
+    /// Number of notes that wait and are about what happened, and not about the program itself.
+    pub fn waiting(&self) -> u64 {
+        let is_own = |note: &&Note| matches!(note, Note::Begin(_) | Note::End(_));
+        (self.notes.len() - self.notes.iter().filter(is_own).count()) as u64
+    }
+
     pub const fn lost(&self) -> u64 {
         self.lost
     }

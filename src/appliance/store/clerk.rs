@@ -11,6 +11,7 @@ use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::incident::Incident;
 use crate::monitor::{Notice, Record};
+use crate::report::counted;
 use crate::sequential::Dwell;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -162,13 +163,28 @@ impl Clerk {
         let mut end = Note::End(self.clock.system());
         while let Err(TrySendError::Full(back)) = self.notes.try_send(end) {
             if started.elapsed() > LAST {
-                return;
+                return self.give_up();
             }
             end = back;
             std::thread::sleep(Duration::from_millis(10));
         }
         while !writer.is_finished() && started.elapsed() < LAST {
             std::thread::sleep(Duration::from_millis(2));
+        }
+        // A writer that ended in time has told what it could not write.
+        if !writer.is_finished() || !self.turn.is_empty() {
+            self.give_up();
+        }
+    }
+
+    /// Says what is lost, because the program ends and the writer stands still.
+    fn give_up(&self) {
+        if self.keeps {
+            warn!(
+                "the gateway stops, and the event store was not written in time: {} not handed over, and what the \
+                 writer had is lost unless it is written in this moment",
+                counted(self.turn.len() as u64, "note")
+            );
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::incident_rows::{self, level};
 use crate::time::Timestamp;
 use rusqlite::Row;
+use rusqlite::types::ValueRef;
 use serde::Serialize;
 
 /// A listed alarm.
@@ -200,6 +201,32 @@ fn level_name(row: &Row<'_>, at: usize) -> rusqlite::Result<&'static str> {
     Ok(level(row.get(at)?).name())
 }
 
+/// A text of a row. Bytes that are no UTF-8, as damage leaves them, become the replacement character.
+pub(super) fn text(row: &Row<'_>, at: usize) -> rusqlite::Result<String> {
+    match row.get_ref(at)? {
+        ValueRef::Text(bytes) => Ok(String::from_utf8_lossy(bytes).into_owned()),
+        _ => row.get(at),
+    }
+}
+
+/// As [`text`], where there may be none.
+pub(super) fn some_text(row: &Row<'_>, at: usize) -> rusqlite::Result<Option<String>> {
+    match row.get_ref(at)? {
+        ValueRef::Null => Ok(None),
+        _ => text(row, at).map(Some),
+    }
+}
+
+/// Whether a text of a row has bytes that are no UTF-8.
+pub(super) fn is_damaged(row: &Row<'_>) -> bool {
+    let count = row.as_ref().column_count();
+    let is_bad = |at| match row.get_ref(at) {
+        Ok(ValueRef::Text(bytes)) => std::str::from_utf8(bytes).is_err(),
+        _ => false,
+    };
+    (0..count).any(is_bad)
+}
+
 pub(super) fn alarm_entry(
     row: &Row<'_>,
     now: Timestamp,
@@ -211,20 +238,20 @@ pub(super) fn alarm_entry(
         cylinder: incident_rows::cylinder(row, 1)?,
         begin_s: time(row, 2)?,
         end_s: some_time(row, 3)?,
-        ending: row.get(4)?,
+        ending: some_text(row, 4)?,
         state: alarm.state(now, gated).name(),
         level: alarm.level.name(),
-        suspect: row.get(5)?,
-        fault: row.get(6)?,
-        text: row.get(7)?,
-        acknowledged_by: row.get(8)?,
-        acknowledged_note: row.get(9)?,
-        shelved_by: row.get(10)?,
-        shelved_reason: row.get(11)?,
+        suspect: text(row, 5)?,
+        fault: text(row, 6)?,
+        text: text(row, 7)?,
+        acknowledged_by: some_text(row, 8)?,
+        acknowledged_note: some_text(row, 9)?,
+        shelved_by: some_text(row, 10)?,
+        shelved_reason: some_text(row, 11)?,
         shelved_until_s: some_time(row, 14)?,
         named_s: some_time(row, 16)?,
         named_by_its_end: row.get(17)?,
-        quantity: row.get(18)?,
+        quantity: some_text(row, 18)?,
         peak_m: row.get(19)?,
         limit_m: row.get(20)?,
         now_m: None,
@@ -232,15 +259,15 @@ pub(super) fn alarm_entry(
 }
 
 pub(super) fn entry(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<EventEntry> {
-    let fault: Option<String> = row.get(8)?;
+    let fault = some_text(row, 8)?;
     let fields = |fault| -> rusqlite::Result<IncidentFields> {
         Ok(IncidentFields {
             fault,
             end_s: some_time(row, 9)?,
-            ending: row.get(10)?,
+            ending: some_text(row, 10)?,
             state: incident_rows::alarm(row, 15)?.state(now, false).name(),
             size_m: row.get(11)?,
-            quantity: row.get(12)?,
+            quantity: some_text(row, 12)?,
             peak_m: row.get(13)?,
             limit_m: row.get(14)?,
         })
@@ -248,12 +275,12 @@ pub(super) fn entry(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<EventEntr
     Ok(EventEntry {
         id: row.get(0)?,
         at_s: Timestamp::from_nanos(row.get(1)?),
-        kind: row.get(2)?,
+        kind: text(row, 2)?,
         cylinder: row.get(3)?,
         level: row.get::<_, Option<u8>>(4)?.map(|number| level(number).name()),
-        suspect: row.get(5)?,
+        suspect: some_text(row, 5)?,
         about: row.get(6)?,
-        text: row.get(7)?,
+        text: text(row, 7)?,
         incident: fault.map(fields).transpose()?,
     })
 }
@@ -268,10 +295,10 @@ pub(super) fn incident_page(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<I
         gain: row.get(24)?,
         size_m: row.get(25)?,
         peak_s: some_time(row, 26)?,
-        detectors: row.get(27)?,
-        evidence: row.get(28)?,
-        advice: row.get(29)?,
-        course: row.get(30)?,
+        detectors: text(row, 27)?,
+        evidence: text(row, 28)?,
+        advice: text(row, 29)?,
+        course: text(row, 30)?,
         revisions: Vec::new(),
         warnings: Vec::new(),
         acts: Vec::new(),
@@ -281,35 +308,35 @@ pub(super) fn incident_page(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<I
 pub(super) fn revision(row: &Row<'_>) -> rusqlite::Result<Revision> {
     Ok(Revision {
         at_s: time(row, 0)?,
-        progress: row.get(1)?,
+        progress: text(row, 1)?,
         level: level_name(row, 2)?,
-        suspect: row.get(3)?,
-        fault: row.get(4)?,
-        text: row.get(5)?,
+        suspect: text(row, 3)?,
+        fault: text(row, 4)?,
+        text: text(row, 5)?,
     })
 }
 
 pub(super) fn warning_entry(row: &Row<'_>) -> rusqlite::Result<WarningEntry> {
     Ok(WarningEntry {
         at_s: time(row, 0)?,
-        detector: row.get(1)?,
-        state: row.get(2)?,
-        fault: row.get(3)?,
-        suspect: row.get(4)?,
+        detector: text(row, 1)?,
+        state: text(row, 2)?,
+        fault: text(row, 3)?,
+        suspect: text(row, 4)?,
         level: level_name(row, 5)?,
         residual_m: row.get(6)?,
         threshold_m: row.get(7)?,
         evidence_nats: row.get(8)?,
-        device: row.get(9)?,
+        device: some_text(row, 9)?,
     })
 }
 
 pub(super) fn act_entry(row: &Row<'_>) -> rusqlite::Result<ActEntry> {
     Ok(ActEntry {
         at_s: time(row, 0)?,
-        kind: row.get(1)?,
-        who: row.get(2)?,
-        note: row.get(3)?,
+        kind: text(row, 1)?,
+        who: text(row, 2)?,
+        note: text(row, 3)?,
         until_s: some_time(row, 4)?,
     })
 }
@@ -322,7 +349,7 @@ pub(super) fn hour_entry(row: &Row<'_>) -> rusqlite::Result<HourEntry> {
     let (count, judged, squares): (i64, f64, f64) = (row.get(2)?, row.get(3)?, row.get(5)?);
     Ok(HourEntry {
         hour_s: row.get(0)?,
-        quantity: row.get(1)?,
+        quantity: text(row, 1)?,
         count,
         judged_s: judged,
         unknown_s: (3600.0 - judged).max(0.0),

@@ -3,6 +3,7 @@
 use super::query::{Filter, MOST_FOUND};
 use super::reader::{EventEntry, StoreReader};
 use super::trouble::Trouble;
+use crate::config::{visible, visible_lines};
 use crate::time::Timestamp;
 use std::io::Write;
 
@@ -21,8 +22,9 @@ pub const EXPORT_COLUMNS: [&str; 17] = [
     "end_s", "size_m", "quantity", "peak_m", "limit_m", "about", "text",
 ];
 
-/// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit. Memory is that of a
-/// page; what is written meanwhile comes in no page.
+/// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit, and returns how many of
+/// them are damaged ([`EventPage::damaged`](super::EventPage)). Memory is that of a page; what is written meanwhile
+/// comes in no page.
 ///
 /// # Errors
 /// The store cannot be read, or `out` not be written.
@@ -32,26 +34,28 @@ pub fn export(
     format: ExportFormat,
     now: Timestamp,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<usize, Trouble> {
+    let mut damaged = 0;
     let mut page = Filter { limit: MOST_FOUND, ..filter.clone() };
     if format == ExportFormat::Csv {
         writeln!(out, "{}", EXPORT_COLUMNS.join(","))?;
     }
     loop {
         let found = reader.search(&page, now)?;
+        damaged += found.damaged;
         for entry in &found.entries {
             match format {
                 ExportFormat::Csv => writeln!(out, "{}", row(entry).join(","))?,
                 ExportFormat::Jsonl => {
                     let line = serde_json::to_string(entry);
                     let line = line.map_err(|error| Trouble::Other(error.to_string()))?;
-                    writeln!(out, "{line}")?;
+                    writeln!(out, "{}", visible(&line))?;
                 }
             }
         }
         page.before = found.next;
         if found.next.is_none() {
-            return Ok(());
+            return Ok(damaged);
         }
     }
 }
@@ -82,10 +86,11 @@ fn row(entry: &EventEntry) -> [String; 17] {
     ]
 }
 
-/// A text as a field: quoted where it has to be, and never a formula for a spreadsheet.
+/// A text as a field: quoted where it has to be, never a formula for a spreadsheet, and without effect on a terminal.
 fn field(text: &str) -> String {
     let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
-    let text = if formula { format!("'{text}") } else { text.to_owned() };
+    let text = visible_lines(text);
+    let text = if formula { format!("'{text}") } else { text.into_owned() };
     if text.contains(['"', ',', '\n', '\r', ';']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {
@@ -113,6 +118,7 @@ mod tests {
             ("-1+1", "'-1+1"),
             ("@x, y", "\"'@x, y\""),
             ("line\nbreak", "\"line\nbreak\""),
+            ("\u{1b}[2J\u{202e}", "\\u001b[2J\\u202e"),
         ] {
             assert_eq!(field(text), expected);
         }

@@ -1,6 +1,7 @@
 //! Incidents as rows: the present one, its revisions and its alarm.
 
 use super::act::{ActError, AlarmAct};
+use super::entries::text;
 use super::note::EventKind;
 use super::rows::{Facets, Rows};
 use crate::alarm::Level;
@@ -23,7 +24,7 @@ pub(super) const ALARM: &str = "condition, acknowledged, shelved_until_ns, level
 
 /// An incident's alarm, from the columns [`ALARM`] that begin at `at`.
 pub(super) fn alarm(row: &Row<'_>, at: usize) -> rusqlite::Result<Alarm> {
-    let condition: String = row.get(at)?;
+    let condition = text(row, at)?;
     let all = [AlarmCondition::Active, AlarmCondition::Returned, AlarmCondition::Interrupted];
     let condition = all.into_iter().find(|it| it.name() == condition).unwrap_or_default();
     let shelved: Option<i64> = row.get(at + 2)?;
@@ -197,7 +198,7 @@ pub(super) fn interrupt(rows: &Rows<'_>, at: Timestamp) -> rusqlite::Result<()> 
     let sql = format!("SELECT id, suspect, fault, {ALARM} FROM incidents WHERE active = 1");
     let mut query = rows.step.prepare(&sql)?;
     let open = query.query_map([], |row| {
-        Ok((row.get::<_, i64>(0)?, [row.get::<_, String>(1)?, row.get(2)?], alarm(row, 3)?))
+        Ok((row.get::<_, i64>(0)?, [text(row, 1)?, text(row, 2)?], alarm(row, 3)?))
     })?;
     for open in open.collect::<rusqlite::Result<Vec<_>>>()? {
         let (id, [suspect, fault], alarm) = open;
@@ -215,7 +216,7 @@ pub(super) fn interrupt(rows: &Rows<'_>, at: Timestamp) -> rusqlite::Result<()> 
 /// Does what a person did, unless it means nothing.
 pub(super) fn act(rows: &Rows<'_>, act: &AlarmAct) -> rusqlite::Result<Result<(), ActError>> {
     let sql = format!("SELECT cylinder, suspect, {ALARM} FROM incidents WHERE id = ?");
-    let found = |row: &Row<'_>| Ok((cylinder(row, 0)?, row.get::<_, String>(1)?, alarm(row, 2)?));
+    let found = |row: &Row<'_>| Ok((cylinder(row, 0)?, text(row, 1)?, alarm(row, 2)?));
     let found = rows.step.query_row(&sql, [act.incident], found).optional()?;
     let Some((cylinder, _, before)) = found else { return Ok(Err(ActError::Unknown)) };
     let after = match before.act(act.kind, act.at) {

@@ -1,6 +1,6 @@
 //! The news of the store: every event, and everything that became of an incident, in the order of writing.
 
-use super::entries::digits;
+use super::entries::{digits, some_text, text};
 use super::incident_rows::level;
 use super::reader::StoreReader;
 use super::trouble::Trouble;
@@ -83,13 +83,13 @@ fn news(row: &Row<'_>, store: &str) -> rusqlite::Result<NewsEntry> {
         number: row.get(0)?,
         id: row.get(1)?,
         at_s: Timestamp::from_nanos(row.get(2)?),
-        kind: row.get(3)?,
-        progress: row.get(4)?,
+        kind: text(row, 3)?,
+        progress: some_text(row, 4)?,
         cylinder: row.get(5)?,
         level: row.get::<_, Option<u8>>(6)?.map(|number| level(number).name()),
-        suspect: row.get(7)?,
-        fault: row.get(8)?,
+        suspect: some_text(row, 7)?,
+        fault: some_text(row, 8)?,
         about: row.get(9)?,
-        text: row.get(10)?,
+        text: text(row, 10)?,
     })
 }

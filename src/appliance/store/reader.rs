@@ -1,8 +1,8 @@
 //! Reading the store: what a page or a script shows.
 
 use super::entries::{
-    ALARM_COLUMNS, ENTRY_COLUMNS, alarm_entry, entry, hour_entry, incident_page, seconds,
-    stop_entry, warning_entry,
+    ALARM_COLUMNS, ENTRY_COLUMNS, alarm_entry, entry, hour_entry, incident_page, is_damaged,
+    seconds, stop_entry, text, warning_entry,
 };
 pub use super::entries::{
     ActEntry, AlarmEntry, EventEntry, HourEntry, IncidentFields, IncidentPage, Revision, StopEntry,
@@ -74,6 +74,14 @@ pub struct EventPage {
     pub entries: Vec<EventEntry>,
     /// [`Filter::before`] of the next page; `None` on the last.
     pub next: Option<i64>,
+    /// Number of entries with bytes that are no UTF-8, which are shown with the replacement character.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub damaged: usize,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+const fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl StoreReader {
@@ -108,10 +116,10 @@ impl StoreReader {
                 Ok(RunEntry {
                     run: row.get(0)?,
                     begin_s: seconds(row.get(1)?),
-                    cause: row.get(2)?,
-                    version: row.get(3)?,
-                    machine: row.get(4)?,
-                    configuration: row.get(5)?,
+                    cause: text(row, 2)?,
+                    version: text(row, 3)?,
+                    machine: text(row, 4)?,
+                    configuration: text(row, 5)?,
                 })
             },
         );
@@ -123,7 +131,7 @@ impl StoreReader {
         let kept = "SELECT condition, acknowledged, count FROM tallies";
         let shelved = "SELECT condition, acknowledged, count(*) FROM incidents
              WHERE shelved_until_ns > ?1 AND shelved_until_ns <= ?1 + ?2 AND listed = 1 GROUP BY 1, 2";
-        let tally = |row: &Row<'_>| Ok((row.get(0)?, row.get(1)?, row.get(2)?));
+        let tally = |row: &Row<'_>| Ok((text(row, 0)?, row.get(1)?, row.get(2)?));
         let kept: Vec<(String, bool, i64)> = self.list(kept, [], tally)?;
         let until = params![now.as_nanos(), LONGEST_SHELVING.as_nanos()];
         let shelved: Vec<(String, bool, i64)> = self.list(shelved, until, tally)?;
@@ -152,12 +160,14 @@ impl StoreReader {
         let sql = format!("SELECT {ENTRY_COLUMNS} FROM {} LIMIT {}", conditions.sql, limit + 1);
         let values = params_from_iter(conditions.values);
         let mut query = self.0.prepare(&sql)?;
-        let rows = query.query_map(values, |row| entry(row, now))?;
-        let mut entries = rows.collect::<rusqlite::Result<Vec<EventEntry>>>()?;
-        let more = entries.len() > limit;
-        entries.truncate(limit);
+        let rows = query.query_map(values, |row| Ok((entry(row, now)?, is_damaged(row))))?;
+        let mut rows = rows.collect::<rusqlite::Result<Vec<(EventEntry, bool)>>>()?;
+        let more = rows.len() > limit;
+        rows.truncate(limit);
+        let damaged = rows.iter().filter(|(_, is_damaged)| *is_damaged).count();
+        let entries: Vec<EventEntry> = rows.into_iter().map(|(entry, _)| entry).collect();
         let next = entries.last().filter(|_| more).map(|last| last.id);
-        Ok(EventPage { entries, next })
+        Ok(EventPage { entries, next, damaged })
     }
 
     /// All that is known of the incident `id`; `None` if there is none.

@@ -13,6 +13,7 @@ use crate::appliance::realtime;
 use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::config::MachineNames;
+use crate::report::counted;
 use rusqlite::{Connection, TransactionBehavior};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -179,10 +180,28 @@ impl<'a> Writer<'a> {
         let started = Instant::now();
         loop {
             self.write();
-            if self.since.is_none() || started.elapsed() > LAST {
+            if self.since.is_none() {
                 return;
             }
+            if started.elapsed() > LAST {
+                return self.give_up();
+            }
             std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Says what is lost, because the program ends before it could be written.
+    pub fn give_up(&self) {
+        let Some(plan) = &self.plan else { return };
+        let lost = self.backlog.waiting() + self.backlog.lost();
+        if lost > 0 {
+            warn!(
+                "{} {} lost: the gateway stops, and the event store {} could not be written ({})",
+                counted(lost, "note"),
+                if lost == 1 { "is" } else { "are" },
+                plan.store.path.display(),
+                self.told.as_deref().unwrap_or("it took too long")
+            );
         }
     }
 

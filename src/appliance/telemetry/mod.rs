@@ -245,6 +245,11 @@ impl Telemetry {
         self.totals.store_failures.add(1);
     }
 
+    /// Notes that somebody gave a wrong token.
+    pub fn login_failed(&self) {
+        self.totals.login_failures.add(1);
+    }
+
     /// Takes the size of the event store, bytes; `None` if it is not open.
     pub fn store_size(&self, size: Option<u64>) {
         self.store_size.set(size.map(|size| size as f64));

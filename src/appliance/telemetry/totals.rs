@@ -51,6 +51,8 @@ pub(super) struct Totals {
     pub store_written: Total,
     pub store_lost: Total,
     pub store_failures: Total,
+    /// Wrong tokens, counted by the thread that serves the page.
+    pub login_failures: Total,
     pub recorder_recordings: Total,
     pub recorder_failures: Total,
     pub recorder_left_out: Total,
@@ -102,7 +104,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 41] {
+    pub fn described(&self) -> [Described<'_>; 42] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -144,6 +146,7 @@ impl Totals {
             ("store_written", "Notes that the event store has written: incidents, warnings, events.", &self.store_written),
             ("store_lost", "Notes that the event store had no room for.", &self.store_lost),
             ("store_failures", "Times that the event store could not be written; it is tried again.", &self.store_failures),
+            ("login_failures", "Wrong tokens that were given to the page, to log in or to act.", &self.login_failures),
             ("recorder_recordings", "Recordings that were written.", &self.recorder_recordings),
             ("recorder_failures", "Recordings that could not be written.", &self.recorder_failures),
             ("recorder_left_out", "Incidents that were not recorded, because too many came at once.",

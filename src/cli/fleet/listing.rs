@@ -1,6 +1,7 @@
 //! A plan as text, as lines of JSON, and as shell commands.
 
 use super::plan::{FleetPlan, MachinePlan, PlannedInput};
+use crate::config::visible;
 use crate::report::Zone;
 use crate::report::counted;
 use jiff::tz::TimeZone;
@@ -104,14 +105,17 @@ pub fn text(fleet: &FleetPlan) -> String {
     );
     for machine in &fleet.machines {
         let MachinePlan { name, config, configuration, .. } = machine;
-        _ = writeln!(text, "\n{name}: {} (configuration {configuration})", config.display());
+        let (name, config) = (visible(name), config.display().to_string());
+        _ = writeln!(text, "\n{name}: {} (configuration {configuration})", visible(&config));
         for (index, input) in (1..).zip(&machine.inputs) {
             _ = match input {
-                PlannedInput::Url(url) => writeln!(text, "{index:>6}  {url}"),
+                PlannedInput::Url(url) => writeln!(text, "{index:>6}  {}", visible(url)),
                 PlannedInput::File(it) => {
                     let moment = |at| Zone::new(TimeZone::UTC, it.begin, f64::MAX).moment(at);
                     let end = it.end.map_or(String::new(), |end| format!(" to {}", moment(end)));
-                    writeln!(text, "{index:>6}  {}{end}  {}", moment(it.begin), it.path.display())
+                    let path = it.path.display().to_string();
+                    let path = visible(&path);
+                    writeln!(text, "{index:>6}  {}{end}  {path}", moment(it.begin))
                 }
             };
         }
@@ -139,6 +143,12 @@ fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) {
         return word.to_owned();
     }
+    let shown = visible(word);
+    if shown != word {
+        // Not for every shell, but for those that know of escapes: bash, ksh and zsh.
+        let word = word.replace('\\', "\\\\").replace('\'', "\\'");
+        return format!("$'{}'", visible(&word));
+    }
     format!("'{}'", word.replace('\'', "'\\''"))
 }
 
@@ -151,5 +161,6 @@ mod tests {
         assert_eq!(quoted("a/b-1.log"), "a/b-1.log");
         assert_eq!(quoted("it's; rm $x"), "'it'\\''s; rm $x'");
         assert_eq!(quoted(""), "''");
+        assert_eq!(quoted("it's\\\u{1b}[2J"), "$'it\\'s\\\\\\u001b[2J'");
     }
 }

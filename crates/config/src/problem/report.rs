@@ -1,6 +1,7 @@
 //! A refusal as a terminal shows it, with the lines of the file.
 
 use super::{ConfigError, Problem};
+use crate::visible::{visible, visible_lines};
 use std::fmt;
 use std::ops::Range;
 
@@ -16,9 +17,9 @@ impl ConfigError {
         let count = self.problems.len() + self.more;
         let plural = if count == 1 { "" } else { "s" };
         miette::Report::new(Refusal {
-            headline: format!("{}: {count} problem{plural}", self.file),
+            headline: format!("{}: {count} problem{plural}", visible(&self.file)),
             rest: (self.more > 0).then(|| format!("{} more are not shown", self.more)),
-            text: NamedSource::new(&self.file, self.text.to_string()),
+            text: NamedSource::new(visible(&self.file), visible_lines(&self.text).into_owned()),
             problems: self.problems.iter().map(|p| Labelled::new(p, self)).collect(),
         })
     }
@@ -63,11 +64,15 @@ impl Labelled {
             let end = text[span.end..].find('\n').map_or(text.len(), |at| span.end + at);
             end - start <= LONGEST_SHOWN_LINE
         };
+        // Escapes are longer than what they stand for.
+        let shown = |at: usize| visible_lines(&text[..at]).len();
         let span = problem.place.as_ref().map(|place| place.span.clone()).filter(short);
+        let span = span.map(|span| shown(span.start)..shown(span.end));
         // The headline names the file, but what comes from elsewhere has to be said.
         let elsewhere = problem.file != error.file;
         let origin = if elsewhere { format!("{}: ", problem.file) } else { String::new() };
-        Self { message: origin + &problem.message, help: problem.help.clone(), span }
+        let message = visible(&(origin + &problem.message)).into_owned();
+        Self { message, help: visible(&problem.help).into_owned(), span }
     }
 }
 

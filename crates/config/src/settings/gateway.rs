@@ -29,6 +29,10 @@ table! {
         token: Option<String> = None => text(TextRule::Digest),
             "\"8d1d2c4c9f6a1b1be0a6e4a77c6f9b0d5a0fbf2f5e0c4f4f7f0f4a3b2a7d6c19\"",
             "SHA-256 of the token for acts on alarms (`tertius token`); absent: no acts";
+        login_failures: u32 = 10 => whole(3, 1000, "people mistype"),
+            "10", "wrong tokens after which an address is locked out; before that each waits longer than the one before";
+        lockout: f64 = 300.0 => number(Limits::least(1.0, DURATION).most(86_400.0)),
+            "300.0", "how long an address is locked out, s";
         certificate: Option<String> = None => text(TextRule::Path),
             "\"/etc/tertius/page.crt\"",
             "the certificate (PEM, with its chain) by which the page is served over https, relative to this file";

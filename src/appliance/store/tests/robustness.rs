@@ -1,5 +1,6 @@
 //! What the store does with what befalls its file.
 
+use super::super::export::{ExportFormat, export};
 use super::super::hours::{Moments, Part};
 use super::super::retention::{Aging, Limits, step};
 use super::*;
@@ -202,4 +203,93 @@ fn schema(path: &Path) -> Vec<String> {
         .expect("it is SQL");
     let rows = query.query_map([], |row| row.get(0)).expect("it can be read");
     rows.collect::<rusqlite::Result<_>>().expect("it can be read")
+}
+
+#[test]
+fn one_bad_byte_costs_a_character_and_not_the_list() {
+    let bench = Bench::new();
+    drop(written(bench.writer(), [incident(1), closed(2), closed(3)].map(Note::Incident)));
+    let database = Connection::open(bench.path()).expect("it is there");
+    let bad = "UPDATE events SET text = CAST(X'61FF62' AS TEXT), suspect = CAST(X'FE' AS TEXT) WHERE id = 3;
+         UPDATE incidents SET fault = CAST(X'C328' AS TEXT), advice = CAST(X'FF' AS TEXT) WHERE id = 3;
+         UPDATE revisions SET text = CAST(X'80' AS TEXT) WHERE incident = 3;
+         UPDATE runs SET machine = CAST(X'FF' AS TEXT);";
+    database.execute_batch(bad).expect("it is free");
+    drop(database);
+    let found = bench.reader().search(&Filter::default(), later(100.0)).expect("read");
+    assert_eq!((found.entries.len(), found.damaged), (4, 1));
+    assert_eq!(found.entries[1].text, "a\u{fffd}b");
+    let page = bench.reader().incident(3, BEGIN).expect("read").expect("it is there");
+    assert_eq!((page.advice.as_str(), page.revisions[0].text.as_str()), ("\u{fffd}", "\u{fffd}"));
+    assert_eq!(bench.overview().run.expect("it ran").machine, "\u{fffd}");
+    assert_eq!(bench.reader().news(|_| 0, 100).expect("read").len(), 4);
+    let mut csv = Vec::new();
+    let all = Filter::default();
+    let damaged = export(&bench.reader(), &all, ExportFormat::Csv, later(100.0), &mut csv);
+    assert_eq!(damaged.expect("read"), 1);
+}
+
+/// What is on a page that nothing needs at the start is found all the same.
+#[test]
+fn damage_anywhere_is_found_when_the_file_is_opened() {
+    let bench = Bench::new();
+    let notes = (1..=300).map(|number| Note::Incident(closed(number)));
+    drop(written(bench.writer(), notes));
+    let whole = fs::read(bench.path()).expect("it is there");
+    let (page, pages) = (4096, whole.len() / 4096);
+    assert!(pages > 40, "{pages}");
+    for number in (1..pages).step_by(7) {
+        let mut damaged = whole.clone();
+        damaged[number * page..(number + 1) * page].fill(0xA5);
+        let aside = bench.folder.path().join("kept.events.aside-1");
+        _ = fs::remove_file(&aside);
+        fs::write(bench.path(), &damaged).expect("the folder is ours");
+        let mut writer = written(bench.writer(), [Note::Incident(incident(1))]);
+        writer.write();
+        assert_eq!(bench.trouble(), None, "page {number}");
+        assert!(
+            fs::read(&aside).is_ok_and(|kept| kept == damaged),
+            "page {number} is not set aside"
+        );
+        assert_eq!(bench.overview().alarms.len(), 1, "another one was begun");
+    }
+}
+
+#[test]
+fn what_cannot_be_written_at_the_end_is_told() {
+    let bench = Bench::new();
+    let plan = StorePlan { path: bench.folder.path().join("no/kept.events"), ..bench.plan(8 * MB) };
+    let log = Log::default();
+    let told = tracing_subscriber::fmt().with_writer(log.clone()).with_ansi(false).finish();
+    tracing::subscriber::with_default(told, || {
+        let writer = bench.writer_by(plan, false);
+        let notes = [incident(1), incident(2), incident(3)].map(Note::Incident);
+        written(writer, notes).give_up();
+    });
+    let told = String::from_utf8(log.0.lock().expect("ours").clone()).expect("text");
+    assert!(told.contains("3 notes are lost: the gateway stops"), "{told}");
+    assert!(told.contains("no/kept.events"), "{told}");
+}
+
+/// What a log writes.
+#[derive(Clone, Default)]
+struct Log(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+
+impl std::io::Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().expect("ours").extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl tracing_subscriber::fmt::MakeWriter<'_> for Log {
+    type Writer = Self;
+
+    fn make_writer(&self) -> Self {
+        self.clone()
+    }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::block::{Flaw, number};
 use super::group::{Carries, FramePart, Group, Groups, Layout, Payload};
+use super::packed::Room;
 use super::stream::{Stream, Unfinished};
 use super::variable::Variable;
 use crate::bus::format::{FD_LENGTHS, blank_frame, is_fd_length};
@@ -43,8 +44,9 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    pub fn new(file: &[u8], groups: Groups, unfinished: Unfinished, start: i64) -> Self {
-        let stream = Stream::new(file, groups.data, unfinished);
+    pub fn new(file: &[u8], groups: Groups, how: (Unfinished, Room), start: i64) -> Self {
+        let (unfinished, room) = how;
+        let stream = Stream::new(file, groups.data, unfinished, room);
         let mut variables = BTreeMap::new();
         for group in groups.all.values() {
             let Group::Frames(layout) = group else { continue };
@@ -53,7 +55,7 @@ impl Cursor {
             let variable = if groups.all.values().any(is_group) {
                 Variable::new(stream.clone(), Some(link), unfinished.offsets)
             } else {
-                Variable::new(Stream::new(file, link, unfinished), None, false)
+                Variable::new(Stream::new(file, link, unfinished, room), None, false)
             };
             variables.insert(link, variable);
         }

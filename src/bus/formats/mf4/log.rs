@@ -5,6 +5,7 @@ use std::collections::{BTreeSet, VecDeque};
 use super::block::{Block, Flaw, Walk, number, tail};
 use super::cursor::{Cursor, Next};
 use super::group::Groups;
+use super::packed::Room;
 use super::stream::Unfinished;
 use crate::bus::format::blank_frame;
 use crate::bus::reason::Reason;
@@ -54,7 +55,9 @@ impl Log {
                 "the file has no group of CAN frames: bus logging is read, decoded signals are not";
             flaws.push(Flaw::told(HEADER, told));
         }
-        let open = |groups| Cursor::new(file, groups, unfinished, start);
+        let most = groups.iter().map(Groups::readers_apart).sum::<usize>().min(MOST);
+        let how = (unfinished, Room::of(most));
+        let open = |groups| Cursor::new(file, groups, how, start);
         let mut room = MOST.saturating_sub(groups.iter().map(Groups::readers).sum());
         let mut readers = Vec::new();
         for (set, groups) in groups.into_iter().enumerate() {

@@ -5,22 +5,42 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use super::block::{Block, Flaw, number};
+use crate::bus::reason::Reason;
 
 /// Most bytes that a block may have when it is unpacked. Writers are told to stay below 4 MiB.
 const MOST: u64 = 16 << 20;
+/// Most bytes of all unpacked blocks of a file: each place that is read holds one.
+const MOST_OF_ALL: u64 = 128 << 20;
+
+/// How long a block may be when it is unpacked.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// Number of places at which the file is read.
+    places: usize,
+    /// Most bytes of a block at each.
+    most: u64,
+}
+
+impl Room {
+    /// The room in a file that is read at so many places.
+    pub fn of(places: usize) -> Self {
+        Self { places, most: MOST.min(MOST_OF_ALL / places.max(1) as u64) }
+    }
+}
 /// Bytes before the compressed ones.
 const HEAD: usize = 24;
 
 /// Unpacks a DZ block; returns the kind of block that was packed, and its data.
-pub fn unpack(file: &[u8], block: &Block<'_>) -> Result<([u8; 2], Vec<u8>), Flaw> {
+pub fn unpack(file: &[u8], block: &Block<'_>, room: Room) -> Result<([u8; 2], Vec<u8>), Flaw> {
     let (at, data) = (block.data_at(), block.data);
     let short = Flaw::expected(file, at, "the head of compressed data");
     let kind = *data.first_chunk().ok_or(short)?;
     let columns = number(data, 4, 4).ok_or(short)?;
     let length = number(data, 8, 8).ok_or(short)?;
     let packed = number(data, 16, 8).ok_or(short)?;
-    if length > MOST {
-        return Err(Flaw::told(at + 8, "compressed data of more than 16 MiB in one block"));
+    let Room { places, most } = room;
+    if length > most {
+        return Err(Flaw::of(at + 8, Reason::UnpackedTooLong { found: length, most, places }));
     }
     let packed = usize::try_from(packed).ok().and_then(|packed| data[HEAD..].get(..packed));
     let cut = Flaw::expected(file, at + 16, "as many compressed bytes as the block announces");
@@ -29,7 +49,8 @@ pub fn unpack(file: &[u8], block: &Block<'_>) -> Result<([u8; 2], Vec<u8>), Flaw
     if method > 1 {
         return Err(Flaw::expected(file, at + 2, "compression by zlib, 0 or 1 (transposed)"));
     }
-    let mut bytes = Vec::new();
+    // No more than it says, whatever comes.
+    let mut bytes = Vec::with_capacity(length as usize);
     let read = ZlibDecoder::new(packed).take(length).read_to_end(&mut bytes);
     if read.is_err() || bytes.len() as u64 != length {
         return Err(Flaw::expected(

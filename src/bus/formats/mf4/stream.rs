@@ -1,7 +1,7 @@
 //! The data of a group, in one block or in a list of them, as one row of bytes.
 
 use super::block::{Block, Flaw, HEAD, Walk, number, tail};
-use super::packed;
+use super::packed::{self, Room};
 use crate::bus::reason::Reason;
 
 /// What of a file was never finished.
@@ -46,6 +46,7 @@ struct List {
 #[derive(Clone, Debug)]
 pub struct Stream {
     unfinished: Unfinished,
+    room: Room,
     /// A block that comes next, before those of the list.
     block: u64,
     list: Option<List>,
@@ -63,10 +64,20 @@ pub struct Stream {
 const FIRST: usize = 1;
 
 impl Stream {
-    pub fn new(file: &[u8], link: u64, unfinished: Unfinished) -> Self {
+    pub fn new(file: &[u8], link: u64, unfinished: Unfinished, room: Room) -> Self {
         let part = Part::Stored { next: 0, end: 0 };
         let walk = Walk::through(file);
-        Self { unfinished, block: link, list: None, part, walk, behind: 0, kind: None, cut: None }
+        Self {
+            unfinished,
+            room,
+            block: link,
+            list: None,
+            part,
+            walk,
+            behind: 0,
+            kind: None,
+            cut: None,
+        }
     }
 
     /// Place of the next byte, or of the compressed block that it is in.
@@ -185,7 +196,7 @@ impl Stream {
             b"DL" | b"LD" => self.list = Some(List { at, link: FIRST, last: last(&block) }),
             b"DT" | b"DV" | b"SD" => self.open_stored(file, &block),
             b"DZ" => {
-                let (kind, bytes) = packed::unpack(file, &block)?;
+                let (kind, bytes) = packed::unpack(file, &block, self.room)?;
                 self.kind = Some(block.kind);
                 self.behind = (at + block.stored()).next_multiple_of(8);
                 if matches!(&kind, b"DT" | b"DV" | b"SD") {
