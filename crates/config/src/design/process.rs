@@ -178,6 +178,21 @@ fn symmetric(half: &[f64; HALF]) -> [[f64; DIRECTIONS]; DIRECTIONS] {
     whole
 }
 
+/// How far two curves together may be off in each piece, by the number of its samples. The pieces next to rest are the
+/// shortest: a sea passes them quickly, and a command that stands at zero is in them for good.
+fn doubts(samples: &[u64], curves: [&[f64]; 2]) -> Vec<Option<f64>> {
+    let mut doubts: Vec<Option<f64>> =
+        samples.iter().map(|samples| (*samples >= LEAST_SAMPLES).then_some(0.0)).collect();
+    let taught: Vec<usize> = (0..doubts.len()).filter(|i| doubts[*i].is_some()).collect();
+    for pair in taught.windows(2) {
+        // From the last knot of the one to the first knot of the other.
+        let (from, to) = (pair[0] + 1, pair[1]);
+        let rise: f64 = curves.iter().map(|curve| (curve[to] - curve[from]).abs()).sum();
+        doubts[from..to].fill(Some(rise));
+    }
+    doubts
+}
+
 fn spool(fitted: &SpoolTable) -> SpoolDesign {
     let [least, _] = ProcessParameters::DEFAULT.least_deviations;
     let SpoolTable { retained, limit, deviation, timing, largest, .. } = *fitted;
@@ -186,7 +201,7 @@ fn spool(fitted: &SpoolTable) -> SpoolDesign {
         limit,
         curve: Curve::new(limit, fitted.curve.clone()),
         before: Curve::new(limit, fitted.before.clone()),
-        taught: fitted.samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect(),
+        doubts: doubts(&fitted.samples, [&fitted.curve, &fitted.before]),
         noise: deviation,
         deviation: deviation.max(least * largest),
         timing,
@@ -212,4 +227,22 @@ fn chambers(fitted: &ChambersTable) -> ChambersDesign {
 /// Times to a limit at which an alarm is of another level.
 pub(super) const fn deadlines(settings: &Settings) -> Deadlines {
     Deadlines { soon: settings.alarm.soon, at_once: settings.alarm.at_once }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_that_is_rare_between_two_that_are_not_is_doubted_by_what_the_curves_rise() {
+        let samples = [99, 500, 100, 49, 71, 198, 0];
+        let curves = [
+            &[-9.0, -6.0, -4.0, -2.5, 0.5, 2.0, 5.0, 9.0][..],
+            &[0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0],
+        ];
+        // Pieces 3 and 4 lie between knots 3 and 5: 4.5 and 2 of rise.
+        let expected = [None, Some(0.0), Some(0.0), Some(6.5), Some(6.5), Some(0.0), None];
+        assert_eq!(doubts(&samples, curves), expected);
+        assert_eq!(doubts(&[3, 4], [&[0.0; 3], &[0.0; 3]]), [None; 2]);
+    }
 }

@@ -22,8 +22,9 @@ pub struct SpoolDesign {
     pub curve: Curve,
     /// g₂, by that of the cycle before.
     pub before: Curve,
-    /// Whether commands in each piece of g were taught.
-    pub taught: Vec<bool>,
+    /// How far the curves may be off in each piece of g: nothing where its commands were taught, and by all that they
+    /// rise where these are rare, but those on both sides were taught, such as at rest. `None`: nobody knows.
+    pub doubts: Vec<Option<f64>>,
     /// Standard deviation of x − x̂ at rest, as it was measured.
     pub noise: f64,
     /// What is taken for it, and what it grows by with a movement within a cycle.
@@ -42,14 +43,17 @@ pub struct Stand {
     pub expected: f64,
     /// Variance of their difference.
     pub variance: f64,
+    /// How far the prediction may be off because commands of its time are rare.
+    pub doubt: f64,
     /// Whether the prediction has forgotten where it began, on commands that were taught.
     pub is_settled: bool,
 }
 
 impl Stand {
-    /// x − x̂.
+    /// x − x̂, as far as it is beyond what the prediction may be off.
     pub fn residual(&self) -> f64 {
-        self.position - self.expected
+        let residual = self.position - self.expected;
+        residual - residual.clamp(-self.doubt, self.doubt)
     }
 }
 
@@ -76,9 +80,11 @@ struct Run {
     before: Option<f64>,
     /// Cycles that are left until it is right.
     unsettled: u32,
+    /// How far it may be off.
+    doubt: f64,
 }
 
-whole! { Run { expected, before, unsettled } }
+whole! { Run { expected, before, unsettled, doubt } }
 
 impl Spool {
     pub fn new(design: SpoolDesign, sample_time: f64) -> Self {
@@ -113,12 +119,15 @@ impl Spool {
         let stand = position.map(|position| {
             let way = design.timing * (expected - former);
             let variance = design.deviation * design.deviation + way * way;
-            Stand { position, expected, variance, is_settled: run.unsettled == 0 }
+            let (doubt, is_settled) = (run.doubt, run.unsettled == 0);
+            Stand { position, expected, variance, doubt, is_settled }
         });
-        run.unsettled = match command.abs() <= design.limit && design.taught[at.0] {
-            true => run.unsettled.saturating_sub(1),
-            false => *settling,
+        let doubt = design.doubts[at.0].filter(|_| command.abs() <= design.limit);
+        run.unsettled = match doubt {
+            Some(_) => run.unsettled.saturating_sub(1),
+            None => *settling,
         };
+        run.doubt = design.retained * run.doubt + doubt.unwrap_or_default();
         let next = design.retained * expected + design.curve.at_place(at) + before;
         // Whatever is not finite gets there first.
         run.expected = next.is_finite().then_some([next, expected]);

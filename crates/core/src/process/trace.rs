@@ -200,7 +200,7 @@ mod tests {
             limit: 1.0,
             curve: Curve::new(1.0, alloc::vec![-20.0, 0.0, 20.0]),
             before: Curve::new(1.0, alloc::vec![0.0; 3]),
-            taught: alloc::vec![true; 2],
+            doubts: alloc::vec![Some(0.0); 2],
             noise: 0.05,
             deviation: 0.05,
             timing: 0.0,
@@ -221,6 +221,7 @@ mod tests {
                 position,
                 expected: expected(k),
                 variance: 2.5e-3,
+                doubt: 0.0,
                 is_settled: true,
             });
         }
@@ -267,6 +268,7 @@ mod tests {
                 position: expected + 0.4,
                 expected,
                 variance: 2.5e-3,
+                doubt: 0.0,
                 is_settled: true,
             });
         }

@@ -96,7 +96,7 @@ fn fit(rows: &[ProcessRow], limit: f64) -> Option<SpoolDesign> {
         limit,
         curve: Curve::new(limit, values(1, PIECES + 1)),
         before: Curve::new(limit, values(2 + PIECES, PIECES_BEFORE + 1)),
-        taught: vec![true; PIECES],
+        doubts: vec![Some(0.0); PIECES],
         noise: 1.0,
         deviation: 1.0,
         timing: 0.0,

@@ -14,6 +14,7 @@ const COUNTS: Counts = Counts {
     late: 7,
     repeated: 8,
     contradicting: 14,
+    sync_doubted: 0,
     short: 15,
     held: 9,
     bad_signals: 10,
