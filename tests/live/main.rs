@@ -4,6 +4,7 @@ mod acts;
 mod buses;
 mod canopen;
 mod devices;
+mod downloads;
 mod embedded_bus;
 mod event_store;
 mod flight_recorder;

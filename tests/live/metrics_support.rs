@@ -182,8 +182,24 @@ impl Answer {
         let (head, body) = text.split_once("\r\n\r\n").expect("a head and a body");
         let code =
             head.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a status code");
-        Self { code, head: head.to_owned(), body: body.to_owned() }
+        let is_in_chunks = head.lines().any(|line| line == "transfer-encoding: chunked");
+        let body = if is_in_chunks { whole(body) } else { body.to_owned() };
+        Self { code, head: head.to_owned(), body }
     }
+}
+
+/// A body out of its chunks.
+fn whole(mut chunks: &str) -> String {
+    let mut body = String::new();
+    while let Some((length, rest)) = chunks.split_once("\r\n") {
+        let length = usize::from_str_radix(length, 16).expect("the length of a chunk");
+        if length == 0 {
+            return body;
+        }
+        body += &rest[..length];
+        chunks = rest[length..].strip_prefix("\r\n").expect("the end of a chunk");
+    }
+    panic!("the body was cut off after {} bytes", body.len());
 }
 
 /// Samples as Prometheus' own parser reads them.

@@ -9,9 +9,10 @@ use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
+use std::cmp::Reverse;
 use std::collections::VecDeque;
 use std::net::IpAddr;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite};
@@ -28,8 +29,10 @@ const TIME_LIMIT: Duration = Duration::from_secs(5);
 /// Time limit of a handshake, before that.
 const HANDSHAKE_LIMIT: Duration = Duration::from_secs(3);
 
-/// Time limit of an answer that takes long, such as a recording over a slow link.
-const LONG_LIMIT: Duration = Duration::from_secs(120);
+/// Time limit of an answer that takes long, such as a recording over a slow link, and the time in which its client takes a
+/// piece of 64 KiB at least: less than 4 kB/s is no download that ends.
+const LONG_LIMIT: Duration = Duration::from_secs(3600);
+const PIECE_LIMIT: Duration = Duration::from_secs(20);
 
 /// Most bytes of request line and headers together; the least that the parser works with.
 const HEAD_SIZE: usize = 8192;
@@ -45,8 +48,12 @@ pub(super) struct Connection {
     peer: IpAddr,
     /// Whether its answer is a stream, which lasts.
     streams: AtomicBool,
+    /// Whether a whole request has come.
+    asks: AtomicBool,
     /// Whether its answer takes long.
     takes_long: AtomicBool,
+    /// Pieces of such an answer that its client has taken.
+    taken: AtomicU64,
     /// Whether what is sent on it is encrypted.
     encrypted: AtomicBool,
     /// Ends it.
@@ -58,7 +65,9 @@ impl Connection {
         Self {
             peer,
             streams: AtomicBool::default(),
+            asks: AtomicBool::default(),
             takes_long: AtomicBool::default(),
+            taken: AtomicU64::default(),
             encrypted: AtomicBool::default(),
             abort: OnceLock::default(),
         }
@@ -77,6 +86,11 @@ impl Connection {
     /// Notes that the answer takes long.
     pub fn takes_long(&self) {
         self.takes_long.store(true, Ordering::Relaxed);
+    }
+
+    /// Notes that its client has taken a piece of the answer.
+    pub fn took_piece(&self) {
+        self.taken.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Whether what is sent on it is encrypted.
@@ -113,10 +127,11 @@ pub(super) async fn accept(listener: TcpListener, router: Router, identities: Id
         };
         // Streams are counted where they are fed.
         connections.retain(|connection| !(connection.is_over() || connection.is_stream()));
-        if connections.len() == CONNECTIONS
-            && let Some(oldest) = connections.pop_front()
+        if connections.len() >= CONNECTIONS
+            && let Some(place) = gives_way(&connections)
+            && let Some(one) = connections.remove(place)
         {
-            oldest.end();
+            one.end();
         }
         let connection = Arc::new(Connection::new(peer.ip()));
         let identity = identities.read().unwrap_or_else(PoisonError::into_inner).clone();
@@ -126,6 +141,18 @@ pub(super) async fn accept(listener: TcpListener, router: Router, identities: Id
         _ = connection.abort.set(task.abort_handle());
         connections.push_back(connection);
     }
+}
+
+/// Which connection gives way to another one: one that asks for nothing first, then one of the address that has most, then
+/// the oldest. A download never does: how many there are is bounded elsewhere.
+fn gives_way(connections: &VecDeque<Arc<Connection>>) -> Option<usize> {
+    let of = |peer: IpAddr| connections.iter().filter(|it| it.peer == peer).count();
+    let places = connections.iter().enumerate();
+    let short = places.filter(|(_, it)| !it.takes_long.load(Ordering::Relaxed));
+    let rank = |(place, it): &(usize, &Arc<Connection>)| {
+        (it.asks.load(Ordering::Relaxed), Reverse(of(it.peer)), *place)
+    };
+    short.min_by_key(rank).map(|(place, _)| place)
 }
 
 /// Serves one request, after the handshake if there is an `identity`. Errors concern the client alone.
@@ -151,6 +178,7 @@ async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
 ) {
     let own = Arc::clone(&connection);
     let service = service_fn(move |request: Request<Incoming>| {
+        own.asks.store(true, Ordering::Relaxed);
         let mut request = request.map(Body::new);
         request.extensions_mut().insert(Arc::clone(&own));
         TowerToHyperService::new(router.clone()).call(request)
@@ -169,6 +197,38 @@ async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     if connection.is_stream() {
         _ = served.await;
     } else if connection.takes_long.load(Ordering::Relaxed) {
-        _ = tokio::time::timeout(LONG_LIMIT - TIME_LIMIT, served).await;
+        let long = async {
+            let mut before = connection.taken.load(Ordering::Relaxed);
+            while tokio::time::timeout(PIECE_LIMIT, served.as_mut()).await.is_err() {
+                let taken = connection.taken.load(Ordering::Relaxed);
+                if std::mem::replace(&mut before, taken) == taken {
+                    return;
+                }
+            }
+        };
+        _ = tokio::time::timeout(LONG_LIMIT, long).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn idle_connections_and_those_of_the_greedy_give_way_and_downloads_never() {
+        let of = |peer: [u8; 4]| Arc::new(Connection::new(peer.into()));
+        let (download, greedy) = (of([10, 0, 0, 1]), [of([10, 0, 0, 2]), of([10, 0, 0, 2])]);
+        let (other, idle) = (of([10, 0, 0, 3]), of([10, 0, 0, 4]));
+        download.takes_long();
+        for one in [&download, &other, &greedy[0], &greedy[1]] {
+            one.asks.store(true, Ordering::Relaxed);
+        }
+        let mut all: VecDeque<_> =
+            [&download, &other, &greedy[0], &greedy[1], &idle].map(Arc::clone).into();
+        for expected in [&idle, &greedy[0], &other, &greedy[1]] {
+            let place = gives_way(&all).expect("one gives way");
+            assert!(Arc::ptr_eq(&all.remove(place).expect("it is there"), expected));
+        }
+        assert_eq!(gives_way(&all), None, "a download stays");
     }
 }

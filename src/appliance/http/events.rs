@@ -1,5 +1,7 @@
 //! What the event store has, as JSON: alarms, incidents and events, stops.
 
+use super::connections::Connection;
+use super::sending::{body, no_place, no_thread, place};
 use super::{Shared, json};
 use crate::alarm::Level;
 use crate::alarm::status::Mode;
@@ -10,16 +12,16 @@ use crate::appliance::store::{
 use crate::appliance::telemetry::Telemetry;
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
-use axum::body::Body;
+use axum::Extension;
 use axum::extract::{Path, Query, State};
 use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
-
-/// Most bytes of an export over HTTP; `tertius events` has no such bound.
-const LONGEST_EXPORT: usize = 8_000_000;
 
 /// The alarm list, and whether it is of now.
 #[derive(Debug, Serialize)]
@@ -137,6 +139,7 @@ pub(super) async fn stops(State(shared): State<Shared>, Path(cylinder): Path<u8>
 /// The events as a file: `events.csv` or `events.jsonl`.
 pub(super) async fn file(
     State(shared): State<Shared>,
+    Extension(connection): Extension<Arc<Connection>>,
     Path(name): Path<String>,
     Query(wanted): Query<Wanted>,
 ) -> Response {
@@ -149,38 +152,42 @@ pub(super) async fn file(
         Ok(filter) => filter,
         Err(told) => return (StatusCode::BAD_REQUEST, told).into_response(),
     };
+    let store = match opened(&shared) {
+        Ok(path) => path,
+        Err(told) => return (StatusCode::NOT_FOUND, told).into_response(),
+    };
+    let Some(place) = place(&shared.places.exports) else { return no_place() };
     let now = shared.clock.system();
-    read(&shared, move |reader| {
-        let mut out = Bounded(Vec::new());
-        _ = export(reader, &filter, format, now, &mut out)?;
-        let name = format!("attachment; filename=\"{name}\"");
-        let headers = [
-            (CONTENT_TYPE, kind.to_owned()),
-            (CACHE_CONTROL, "no-store".to_owned()),
-            (CONTENT_DISPOSITION, name),
-        ];
-        Ok((headers, Body::from(out.0)).into_response())
-    })
-    .await
+    let headers = [
+        (CONTENT_TYPE, kind.to_owned()),
+        (CACHE_CONTROL, "no-store".to_owned()),
+        (CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
+    ];
+    let make = move |mut out: &mut dyn Write| {
+        let reader = StoreReader::open(&store).map_err(io::Error::other)?;
+        // Rows that are damaged are told by the page, too.
+        export(&reader, &filter, format, now, &mut out).map(drop).map_err(io::Error::other)
+    };
+    match body(&connection, place, make) {
+        Ok(body) => (headers, body).into_response(),
+        Err(error) => no_thread(&error),
+    }
 }
 
-/// Takes what an answer may hold in memory.
-struct Bounded(Vec<u8>);
-
-impl std::io::Write for Bounded {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        if self.0.len() + bytes.len() > LONGEST_EXPORT {
-            return Err(std::io::Error::other(
-                "this is more than 8 MB; choose a shorter time, or use `tertius events` on the box",
-            ));
-        }
-        self.0.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
+/// The path of the event store.
+///
+/// # Errors
+/// Why there is none.
+fn opened(shared: &Shared) -> Result<PathBuf, String> {
+    let StoreState { path, trouble } = shared.store_state();
+    path.ok_or_else(|| {
+        let told = trouble.unwrap_or_else(|| {
+            "nothing is kept: `file = \"FILE\"` in [store] of the configuration makes the gateway keep its \
+             events"
+                .to_owned()
+        });
+        told + "\n"
+    })
 }
 
 /// The answer of `ask`, which may wait for the disk, on a thread for that.
@@ -188,14 +195,9 @@ async fn read(
     shared: &Shared,
     ask: impl FnOnce(&StoreReader) -> Result<Response, Trouble> + Send + 'static,
 ) -> Response {
-    let StoreState { path, trouble } = shared.store_state();
-    let Some(path) = path else {
-        let told = trouble.unwrap_or_else(|| {
-            "nothing is kept: `file = \"FILE\"` in [store] of the configuration makes the gateway keep its \
-             events"
-                .to_owned()
-        });
-        return (StatusCode::NOT_FOUND, told + "\n").into_response();
+    let path = match opened(shared) {
+        Ok(path) => path,
+        Err(told) => return (StatusCode::NOT_FOUND, told).into_response(),
     };
     let answer = tokio::task::spawn_blocking(move || {
         let reader = StoreReader::open(&path)?;

@@ -12,6 +12,7 @@ mod guard;
 mod login;
 mod page;
 mod recordings;
+mod sending;
 mod sessions;
 mod stream;
 mod tls;
@@ -34,6 +35,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use connections::Identities;
 use examination::Examined;
+use sending::Places;
 use sessions::Sessions;
 use std::io;
 use std::net::SocketAddr;
@@ -122,6 +124,7 @@ impl Server {
             address,
             desk,
             examined: Examined::default(),
+            places: Arc::default(),
             sessions: Arc::default(),
             attempts: Arc::default(),
         };
@@ -168,6 +171,8 @@ struct Shared {
     address: SocketAddr,
     desk: Desk,
     examined: Examined,
+    /// Those who are sent something long.
+    places: Arc<Places>,
     /// Who has logged in.
     sessions: Arc<Sessions>,
     /// Who has tried to.

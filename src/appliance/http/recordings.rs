@@ -1,10 +1,9 @@
 //! The recordings of the flight recorder, to be taken away.
 
 use super::connections::Connection;
-use super::stream::Pieces;
+use super::sending::{body, no_place, no_thread, place};
 use super::{Shared, json};
 use axum::Extension;
-use axum::body::{Body, Bytes};
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_TYPE};
@@ -14,14 +13,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
-use tokio::sync::mpsc::{Sender, channel};
 
 /// Most recordings that are listed, the newest.
 const MOST_LISTED: usize = 200;
-
-/// Pieces of an archive that wait for a slow client, and the size of each, bytes.
-const WAITING: usize = 4;
-const PIECE: usize = 64 * 1024;
 
 /// A recording, as listed.
 #[derive(Debug, Serialize)]
@@ -94,21 +88,18 @@ pub(super) async fn archive(
     if !path.is_dir() {
         return absent();
     }
-    connection.takes_long();
-    let (sender, pieces) = channel(WAITING);
+    let Some(place) = place(&shared.places.recordings) else { return no_place() };
     let own = name.to_owned();
-    tokio::task::spawn_blocking(move || {
-        let out = io::BufWriter::with_capacity(PIECE, Sending(sender));
-        // A client that goes away, or a folder that gives way to a newer one, ends the archive early, without the
-        // end that `tar` expects.
-        _ = pack(out, &own, &path);
-    });
+    let body = match body(&connection, place, move |out| pack(out, &own, &path)) {
+        Ok(body) => body,
+        Err(error) => return no_thread(&error),
+    };
     let headers = [
         (CONTENT_TYPE, "application/x-tar".to_owned()),
         (CACHE_CONTROL, "no-store".to_owned()),
         (CONTENT_DISPOSITION, format!("attachment; filename=\"{name}.tar\"")),
     ];
-    (headers, Body::new(Pieces(pieces))).into_response()
+    (headers, body).into_response()
 }
 
 fn pack(out: impl Write, name: &str, path: &FilePath) -> io::Result<()> {
@@ -116,20 +107,6 @@ fn pack(out: impl Write, name: &str, path: &FilePath) -> io::Result<()> {
     archive.follow_symlinks(false);
     archive.append_dir_all(name, path)?;
     archive.into_inner()?.flush()
-}
-
-/// Sends what is written as pieces of an answer.
-struct Sending(Sender<Bytes>);
-
-impl Write for Sending {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let sent = self.0.blocking_send(Bytes::copy_from_slice(bytes));
-        sent.map(|()| bytes.len()).map_err(|_| io::ErrorKind::BrokenPipe.into())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 #[cfg(test)]

@@ -64,7 +64,16 @@ impl Audience {
 }
 
 /// What waits for one client, as the body of an answer.
-pub(super) struct Pieces(pub Receiver<Bytes>);
+pub(super) struct Pieces {
+    pieces: Receiver<Bytes>,
+    connection: Arc<Connection>,
+}
+
+impl Pieces {
+    pub const fn of(pieces: Receiver<Bytes>, connection: Arc<Connection>) -> Self {
+        Self { pieces, connection }
+    }
+}
 
 impl HttpBody for Pieces {
     type Data = Bytes;
@@ -74,7 +83,11 @@ impl HttpBody for Pieces {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        self.0.poll_recv(context).map(|piece| piece.map(|piece| Ok(Frame::data(piece))))
+        let polled = self.pieces.poll_recv(context);
+        if matches!(polled, Poll::Ready(Some(_))) {
+            self.connection.took_piece();
+        }
+        polled.map(|piece| piece.map(|piece| Ok(Frame::data(piece))))
     }
 }
 
@@ -82,12 +95,12 @@ pub(super) async fn stream(
     State(shared): State<Shared>,
     Extension(connection): Extension<Arc<Connection>>,
 ) -> Response {
-    let Some(events) = shared.audience.join(connection) else {
+    let Some(events) = shared.audience.join(Arc::clone(&connection)) else {
         let told = "as many watch as can be served; close another window of this page\n";
         return (StatusCode::SERVICE_UNAVAILABLE, told).into_response();
     };
     let headers = [(CONTENT_TYPE, "text/event-stream"), (CACHE_CONTROL, "no-store")];
-    (headers, Body::new(Pieces(events))).into_response()
+    (headers, Body::new(Pieces::of(events, connection))).into_response()
 }
 
 /// Tells the audience, again and again, what is new.

@@ -1,0 +1,161 @@
+//! Those who download and read nothing hold up nobody else, and cost little memory.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
+use std::time::Duration;
+use tertius_testing::process::{Running, configuration, excerpt, wait_for, write};
+
+/// Memory of the process that no file backs, kB.
+fn memory(process: &Running) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{}/status", process.id())).expect("it runs");
+    let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:")).expect("Linux");
+    line.trim().trim_end_matches(" kB").parse().expect("a number")
+}
+
+/// A gateway with a store of 7 MB of text and a recording of 24 MB, and its address.
+fn stage(folder: &Path) -> (Running, SocketAddr) {
+    let config = configuration(folder, "virtual");
+    let text = fs::read_to_string(&config).expect("it was written");
+    let own = "[http]\nlisten = \"127.0.0.1:0\"\n[store]\nfile = \"kept.events\"\n\
+               [recorder]\nfolder = \"recordings\"\n\n";
+    fs::write(&config, own.to_owned() + &text).expect("the folder is ours");
+    let recording = folder.join("recordings/20261123T021600Z-on-demand");
+    fs::create_dir_all(&recording).expect("the folder is ours");
+    fs::write(recording.join("frames.log.zst"), vec![7; 24_000_000]).expect("there is room");
+    let log = folder.join("bus.log");
+    write(&log, "can0", &excerpt(0.0, 90.0));
+    let plain = |path: &Path| path.to_str().expect("temporary folders have plain names").to_owned();
+    let (gateway, url) = Running::gateway(&plain(&config), &plain(&log));
+    let address =
+        url.trim_start_matches("http://").trim_end_matches('/').parse().expect("an address");
+    let store = folder.join("kept.events");
+    wait_for("the event store", || {
+        let (code, text) = ask(address, "/api/alarms");
+        code == 200 && !text.contains("\"path\":null")
+    });
+    let mut store = rusqlite::Connection::open(store).expect("it is there");
+    store.busy_timeout(Duration::from_secs(10)).expect("a time");
+    let step = store.transaction().expect("it is free");
+    let row = "INSERT INTO events (at_ns, run, kind, text) VALUES (?, 1, 'bus_lost', ?)";
+    for n in 0..17_000_i64 {
+        step.execute(row, (n, "lost ".repeat(70))).expect("there is room");
+    }
+    step.commit().expect("there is room");
+    (gateway, address)
+}
+
+fn request(path: &str) -> String {
+    format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n")
+}
+
+/// The code and the text of an answer; 0 if it was cut off.
+fn ask(address: SocketAddr, path: &str) -> (u16, String) {
+    let mut stream = TcpStream::connect(address).expect("it listens");
+    stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a time");
+    let (mut bytes, sent) = (Vec::new(), stream.write_all(request(path).as_bytes()));
+    let read = sent.and_then(|()| stream.read_to_end(&mut bytes));
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let code = text.split(' ').nth(1).and_then(|code| code.parse().ok());
+    (read.ok().and(code).unwrap_or(0), text)
+}
+
+/// Somebody who asks for `path`, or for nothing, and reads nothing, with as little room for it as the kernel allows.
+fn unread(address: SocketAddr, path: &str) -> TcpStream {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let stream = runtime.expect("a runtime").block_on(async {
+        let socket = tokio::net::TcpSocket::new_v4().expect("a socket");
+        socket.set_recv_buffer_size(4096).expect("a size");
+        socket.connect(address).await.expect("it listens").into_std().expect("it is a socket")
+    });
+    let mut stream = stream;
+    stream.set_nonblocking(false).expect("it is a socket");
+    if !path.is_empty() {
+        // It may be ended meanwhile.
+        _ = stream.write_all(request(path).as_bytes());
+    }
+    stream
+}
+
+const RECORDING: &str = "/api/recordings/20261123T021600Z-on-demand.tar";
+
+#[test]
+fn clients_of_every_kind_that_read_nothing_cost_little() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (gateway, address) = stage(folder.path());
+    let export = ask(address, "/api/export/events.csv").1;
+    assert!(export.len() > 6_000_000 && export.len() < 8_000_000, "{}", export.len());
+    let kinds = [
+        "/api/export/events.csv",
+        RECORDING,
+        "/api/export/events.jsonl",
+        "/api/stream",
+        "/api/events?limit=500",
+        "/metrics",
+        "/api/trend/1",
+        "",
+    ];
+    let mut held: Vec<TcpStream> = Vec::new();
+    let mut most = 0;
+    for n in 0..64 {
+        held.push(unread(address, kinds[n % kinds.len()]));
+        most = most.max(memory(&gateway));
+    }
+    for _ in 0..50 {
+        let (code, text) = ask(address, "/api/alarms");
+        assert_eq!(code, 200, "after {most} kB: {text}");
+        most = most.max(memory(&gateway));
+    }
+    // The unit has MemoryMax=64M.
+    assert!(most < 56_000, "{most} kB");
+}
+
+#[test]
+fn eight_exports_that_nobody_reads_cost_little() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (gateway, address) = stage(folder.path());
+    let _held: Vec<TcpStream> = (0..8).map(|_| unread(address, "/api/export/events.csv")).collect();
+    let mut most = 0;
+    for _ in 0..600 {
+        assert_ne!(ask(address, "/health").0, 0, "it is served meanwhile");
+        most = most.max(memory(&gateway));
+    }
+    assert!(most < 32_000, "{most} kB");
+}
+
+#[test]
+fn slow_downloads_hold_up_nobody_and_have_their_number() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (_gateway, address) = stage(folder.path());
+    let _slow = [unread(address, RECORDING), unread(address, RECORDING)];
+    let _export = unread(address, "/api/export/events.csv");
+    for path in [RECORDING, "/api/export/events.jsonl"] {
+        let mut told = String::new();
+        wait_for("a refusal", || {
+            let (code, text) = ask(address, path);
+            told = text;
+            code == 503
+        });
+        assert!(told.contains("as much is being downloaded as can be at once"), "{told}");
+    }
+    for path in ["/api/alarms", "/api/events", "/api/recordings", "/api/incidents/999"] {
+        assert!([200, 404].contains(&ask(address, path).0), "{path}");
+    }
+}
+
+#[test]
+fn idle_connections_end_no_download() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (_gateway, address) = stage(folder.path());
+    let mut download = TcpStream::connect(address).expect("it listens");
+    download.set_read_timeout(Some(Duration::from_secs(20))).expect("a time");
+    download.write_all(request(RECORDING).as_bytes()).expect("it reads");
+    let mut first = [0; 16];
+    download.read_exact(&mut first).expect("it begins");
+    let _idle: Vec<TcpStream> = (0..40).map(|_| unread(address, "")).collect();
+    assert_eq!(ask(address, "/api/alarms").0, 200, "an idle one gives way");
+    let mut rest = Vec::new();
+    download.read_to_end(&mut rest).expect("it goes on");
+    assert!(rest.len() > 24_000_000, "{}", rest.len());
+}
