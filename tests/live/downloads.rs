@@ -112,6 +112,19 @@ fn clients_of_every_kind_that_read_nothing_cost_little() {
 }
 
 #[test]
+fn eight_exports_that_nobody_reads_cost_little() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (gateway, address) = stage(folder.path());
+    let _held: Vec<TcpStream> = (0..8).map(|_| unread(address, "/api/export/events.csv")).collect();
+    let mut most = 0;
+    for _ in 0..600 {
+        assert_ne!(ask(address, "/health").0, 0, "it is served meanwhile");
+        most = most.max(memory(&gateway));
+    }
+    assert!(most < 32_000, "{most} kB");
+}
+
+#[test]
 fn slow_downloads_hold_up_nobody_and_have_their_number() {
     let folder = tempfile::tempdir().expect("there is room");
     let (_gateway, address) = stage(folder.path());
