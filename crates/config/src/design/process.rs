@@ -6,6 +6,7 @@ use crate::settings::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,
 };
 use tertius_core::alarm::Deadlines;
+use tertius_core::process::curve::knot;
 use tertius_core::process::flow::FlowWeighing;
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
 use tertius_core::process::friction::FrictionWeighing;
@@ -178,16 +179,17 @@ fn symmetric(half: &[f64; HALF]) -> [[f64; DIRECTIONS]; DIRECTIONS] {
     whole
 }
 
-/// How far two curves together may be off in each piece, by the number of its samples. The pieces next to rest are the
-/// shortest: a sea passes them quickly, and a command that stands at zero is in them for good.
-fn doubts(samples: &[u64], curves: [&[f64]; 2]) -> Vec<Option<f64>> {
+/// How far two curves together may be off in each piece of the first one, by the number of its samples. The pieces next to
+/// rest are the shortest: a sea passes them quickly, and a command that stands at zero is in them for good.
+fn doubts(samples: &[u64], curves: [&Curve; 2]) -> Vec<Option<f64>> {
     let mut doubts: Vec<Option<f64>> =
         samples.iter().map(|samples| (*samples >= LEAST_SAMPLES).then_some(0.0)).collect();
     let taught: Vec<usize> = (0..doubts.len()).filter(|i| doubts[*i].is_some()).collect();
     for pair in taught.windows(2) {
         // From the last knot of the one to the first knot of the other.
         let (from, to) = (pair[0] + 1, pair[1]);
-        let rise: f64 = curves.iter().map(|curve| (curve[to] - curve[from]).abs()).sum();
+        let [low, high] = [from, to].map(|index| knot(curves[0].limit(), samples.len(), index));
+        let rise: f64 = curves.iter().map(|curve| (curve.at(high) - curve.at(low)).abs()).sum();
         doubts[from..to].fill(Some(rise));
     }
     doubts
@@ -196,12 +198,13 @@ fn doubts(samples: &[u64], curves: [&[f64]; 2]) -> Vec<Option<f64>> {
 fn spool(fitted: &SpoolTable) -> SpoolDesign {
     let [least, _] = ProcessParameters::DEFAULT.least_deviations;
     let SpoolTable { retained, limit, deviation, timing, largest, .. } = *fitted;
+    let [curve, before] = [&fitted.curve, &fitted.before].map(|it| Curve::new(limit, it.clone()));
     SpoolDesign {
         retained,
         limit,
-        curve: Curve::new(limit, fitted.curve.clone()),
-        before: Curve::new(limit, fitted.before.clone()),
-        doubts: doubts(&fitted.samples, [&fitted.curve, &fitted.before]),
+        doubts: doubts(&fitted.samples, [&curve, &before]),
+        curve,
+        before,
         noise: deviation,
         deviation: deviation.max(least * largest),
         timing,
@@ -233,16 +236,15 @@ pub(super) const fn deadlines(settings: &Settings) -> Deadlines {
 mod tests {
     use super::*;
 
+    /// Six pieces of the first curve, and three of the second, whose knots stand at ±1 and ±1/9, as some of the first do.
     #[test]
     fn a_command_that_is_rare_between_two_that_are_not_is_doubted_by_what_the_curves_rise() {
-        let samples = [99, 500, 100, 49, 71, 198, 0];
-        let curves = [
-            &[-9.0, -6.0, -4.0, -2.5, 0.5, 2.0, 5.0, 9.0][..],
-            &[0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0],
-        ];
-        // Pieces 3 and 4 lie between knots 3 and 5: 4.5 and 2 of rise.
-        let expected = [None, Some(0.0), Some(0.0), Some(6.5), Some(6.5), Some(0.0), None];
-        assert_eq!(doubts(&samples, curves), expected);
-        assert_eq!(doubts(&[3, 4], [&[0.0; 3], &[0.0; 3]]), [None; 2]);
+        let curve = Curve::new(1.0, vec![-9.0, -6.0, -4.0, 0.5, 2.0, 5.0, 9.0]);
+        let before = Curve::new(1.0, vec![0.0, 1.0, 3.0, 4.0]);
+        // Pieces 2 and 3 lie between knots 2 and 4: 6 and 2 of rise.
+        let found = doubts(&[99, 500, 49, 71, 100, 0], [&curve, &before]);
+        let rounded: Vec<_> = found.into_iter().map(|it| it.map(f64::round)).collect();
+        assert_eq!(rounded, [None, Some(0.0), Some(8.0), Some(8.0), Some(0.0), None]);
+        assert_eq!(doubts(&[3, 4, 0, 0, 0, 9], [&curve, &before]), [None; 6]);
     }
 }
