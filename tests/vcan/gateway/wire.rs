@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::fs;
 use std::process::Command;
-use tertius_testing::bench::{Bench, excerpt, wire};
+use tertius_testing::bench::{Bench, excerpt, run, wait_for, wire};
 use tertius_testing::oracle;
 use tertius_testing::program;
 
@@ -75,4 +75,17 @@ fn a_fault_played_to_it_stands_on_the_bus_as_cantools_reads_it() {
     let steps = counters.windows(2).map(|pair| (pair[1] - pair[0]).rem_euclid(256));
     assert!(steps.clone().all(|step| (1..=5).contains(&step)), "{counters:?}");
     assert!(steps.filter(|&step| step == 1).count() > counters.len() / 2, "{counters:?}");
+}
+
+/// Its own frames, which it does not receive, are none of another device's.
+#[test]
+fn a_frame_of_another_device_with_its_own_identifier_is_told() {
+    let bench = Bench::up("t-forged");
+    bench.configure(&bench.configuration());
+    let gateway = bench.gateway();
+    bench.play(&excerpt(57.0, 58.0));
+    assert_eq!(bench.said("another device sends frames 0x1D1"), 0);
+    run("cansend", &["t-forged", "1D1#5555555555555555"]);
+    wait_for("the line", || bench.said("another device sends frames 0x1D1") == 1);
+    bench.stop(gateway);
 }
