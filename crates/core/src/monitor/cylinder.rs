@@ -51,7 +51,7 @@ pub struct Evaluation {
     pub at: Timestamp,
     pub cycle: u64,
     pub opened: Timestamp,
-    /// Buses that were heard, see [`Moment::live`].
+    /// Buses that were heard, see [`crate::sample::plausibility::Moment::live`].
     pub heard: Buses,
     pub gate: Opening,
     /// Whether the rods stand on their mechanical stops.
