@@ -82,6 +82,7 @@ fn a_fault_played_to_it_stands_on_the_bus_as_cantools_reads_it() {
 fn a_frame_of_another_device_with_its_own_identifier_is_told() {
     let bench = Bench::up("t-forged");
     bench.configure(&bench.configuration());
+    let _dump = bench.candump();
     let gateway = bench.gateway();
     bench.play(&excerpt(57.0, 58.0));
     assert_eq!(bench.said("another device sends frames 0x1D1"), 0);
