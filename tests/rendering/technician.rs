@@ -61,7 +61,9 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
     assert!(technician.wait().expect("it ends").success(), "{last}");
     let result: Value = serde_json::from_str(&last).unwrap_or_else(|_| panic!("{last:?}"));
     assert!(
-        result["incident"].as_str().is_some_and(|it| it.starts_with("cylinder 3, C1")),
+        result["incident"]
+            .as_str()
+            .is_some_and(|it| it.starts_with("cylinder 3 (<u>Fwd</u>), C1 (LT-103A)")),
         "{result}"
     );
     println!("{result}");
