@@ -8,7 +8,7 @@ use super::notice::NoticeFields;
 use super::stops::TrendLine;
 use super::{IdentityFields, Summary};
 use crate::alarm::{Detector, Warning};
-use crate::config::MachineNames;
+use crate::config::{CylinderNames, MachineNames};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
 use crate::process::ProcessCoverage;
@@ -21,7 +21,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 pub use incident::incident;
-use named::{CylinderNameFields, NameFields};
+use named::NameFields;
 
 /// Seconds as a JSON number with all their digits.
 pub(super) type Digits = Box<RawValue>;
@@ -131,7 +131,7 @@ impl Serialize for Position {
 struct CylinderLine<'a> {
     cylinder: usize,
     #[serde(flatten)]
-    names: CylinderNameFields<'a>,
+    names: Option<&'a CylinderNames>,
     samples: u64,
     gated: u64,
     incomplete: u64,
@@ -295,7 +295,7 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
         cylinders: cylinders
             .map(|(index, (tally, jumps))| CylinderLine {
                 cylinder: index + 1,
-                names: CylinderNameFields::new(summary.names, index + 1),
+                names: summary.names.of(index + 1),
                 samples: tally.cycles,
                 gated: tally.gated,
                 incomplete: tally.incomplete,

@@ -37,7 +37,7 @@ pub use document::Document;
 pub use identity::{Fingerprint, Fingerprints};
 pub use json_schema::json_schema;
 pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text, load_with};
-pub use names::MachineNames;
+pub use names::{CylinderNames, MachineNames};
 pub use overrides::{Override, OverrideOrigin, Overrides};
 pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};

@@ -12,9 +12,9 @@ pub struct MachineNames {
     cylinders: Vec<CylinderNames>,
 }
 
-/// Names as in the configuration.
+/// Names of one cylinder and its transducers, as in the configuration.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct CylinderNames {
+pub struct CylinderNames {
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -75,7 +75,8 @@ impl MachineNames {
         called(["C1", "C2"][transducer as usize], self.of_transducer(n, transducer))
     }
 
-    fn of(&self, n: usize) -> Option<&CylinderNames> {
+    /// All names of cylinder `n`, from 1.
+    pub fn of(&self, n: usize) -> Option<&CylinderNames> {
         self.cylinders.get(n.checked_sub(1)?)
     }
 }

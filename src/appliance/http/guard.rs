@@ -72,12 +72,9 @@ pub(super) async fn only_known_machines(
     request: Request,
     next: Next,
 ) -> Response {
-    let refusal = { shared.address.ip().is_loopback() }
-        .then(|| misdirected(&shared, request.headers()))
-        .flatten();
-    match refusal {
-        Some(refusal) => refusal,
-        None => next.run(request).await,
+    match misdirected(&shared, request.headers()) {
+        Some(refusal) if shared.address.ip().is_loopback() => refusal,
+        _ => next.run(request).await,
     }
 }
 

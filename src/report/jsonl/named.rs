@@ -1,7 +1,6 @@
 //! Names beside the numbers of cylinders; absent where none are given.
 
 use crate::config::MachineNames;
-use crate::sample::Transducer;
 use crate::story;
 use crate::verdict::Suspect;
 use serde::Serialize;
@@ -24,24 +23,5 @@ impl<'a> NameFields<'a> {
                 .zip(suspected)
                 .and_then(|(number, it)| names.of_transducer(number, it)),
         }
-    }
-}
-
-/// Names of a cylinder and its transducers.
-#[derive(Serialize)]
-pub(super) struct CylinderNameFields<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    name: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    c1_name: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    c2_name: Option<&'a str>,
-}
-
-impl<'a> CylinderNameFields<'a> {
-    pub fn new(names: &'a MachineNames, number: usize) -> Self {
-        let [c1_name, c2_name] =
-            [Transducer::C1, Transducer::C2].map(|it| names.of_transducer(number, it));
-        Self { name: names.of_cylinder(number), c1_name, c2_name }
     }
 }

@@ -34,11 +34,12 @@ impl Monitor {
     fn judge_sync(&mut self, at: Timestamp, sink: &mut impl Sink) {
         let mut messages = self.subscriptions.all().iter().zip(&self.stations);
         let Some((sync, _)) = messages.find(|(_, station)| station.is_sync()) else { return };
-        let (cycle, cycles) = (self.clock.number(), self.counts.cycles);
-        for (doubt, is_over) in self.sync_watch.judge(at, cycle, cycles).into_iter().flatten() {
+        let judged = self.sync_watch.judge(at, self.clock.number(), self.counts.cycles);
+        self.counts.sync_doubted += u64::from(judged.was_doubted);
+        for (doubt, is_over) in [(judged.over, true), (judged.begins, false)] {
+            let Some(doubt) = doubt else { continue };
             sink.notice(&Notice::Doubt { at, id: sync.id, bus: sync.bus, doubt, is_over });
         }
-        self.counts.sync_doubted = self.sync_watch.doubted();
     }
 
     /// Passes on what there is to tell of the cylinder of `index` in a cycle.

@@ -134,3 +134,54 @@ impl Spool {
         stand
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    /// Spool and command rise alike, but that the commands next to rest are rare and the curve may be 2 off there.
+    fn spool() -> Spool {
+        let design = SpoolDesign {
+            retained: 0.5,
+            limit: 1.0,
+            curve: Curve::new(1.0, vec![-10.0, -2.5, 0.0, 2.5, 10.0]),
+            before: Curve::new(1.0, vec![0.0; 3]),
+            doubts: vec![Some(0.0), Some(2.0), Some(2.0), None],
+            noise: 0.1,
+            deviation: 0.1,
+            timing: 0.0,
+            largest: 20.0,
+            dependence: [[1.0; WIDTHS.len()]; 2],
+        };
+        Spool::new(design, 0.02)
+    }
+
+    /// Where the spool is found after ten seconds of this command, at `position`.
+    fn after(command: f64, position: f64) -> Stand {
+        let mut spool = spool();
+        for _ in 0..500 {
+            spool.step(Some(command), Some(position));
+        }
+        spool.step(Some(command), Some(position)).expect("both have come")
+    }
+
+    #[test]
+    fn a_command_that_stands_at_rest_is_judged_beyond_what_the_curve_may_be_off() {
+        let stand = after(0.0, 30.0);
+        assert!(stand.is_settled && (stand.doubt - 4.0).abs() < 1e-6, "{stand:?}");
+        assert!((stand.residual() - 26.0).abs() < 1e-6, "{stand:?}");
+        for within in [-3.9, 0.0, 3.9] {
+            assert_eq!(after(0.0, within).residual(), 0.0, "{within}");
+        }
+    }
+
+    #[test]
+    fn commands_that_were_taught_leave_no_doubt_and_those_beyond_all_are_not_judged() {
+        let stand = after(-1.0, -21.0);
+        assert!(stand.is_settled && stand.doubt < 1e-9, "{stand:?}");
+        assert!((stand.residual() + 1.0).abs() < 1e-6, "{stand:?}");
+        assert!(!after(0.9, 20.0).is_settled, "nobody knows");
+        assert!(!after(-1.1, -20.0).is_settled, "beyond the curve");
+    }
+}

@@ -36,16 +36,6 @@ pub enum Doubt {
 choice! { Doubt { Contradiction, TooShort, Uncounted, Flood, Absent, Imitation } }
 
 impl Doubt {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 6] = [
-        Self::Contradiction,
-        Self::TooShort,
-        Self::Uncounted,
-        Self::Flood,
-        Self::Absent,
-        Self::Imitation,
-    ];
-
     /// Those of a message that carries readings.
     const OF_READINGS: [Self; 3] = [Self::Contradiction, Self::TooShort, Self::Uncounted];
 }

@@ -35,28 +35,6 @@ pub struct PlausibilityLimits {
     pub driven: f64,
 }
 
-impl PlausibilityLimits {
-    /// The widest range of valid codes without one of a broken wire, inclusive.
-    fn plain_codes(&self) -> (i64, i64) {
-        let (lowest, highest) = self.codes.unwrap_or((i64::MIN, i64::MAX));
-        let mut broken = self.broken_wire_codes.clone();
-        broken.retain(|code| (lowest..=highest).contains(code));
-        broken.sort_unstable();
-        let mut from = lowest;
-        let mut ranges: Vec<(i64, i64)> = Vec::new();
-        for code in broken {
-            ranges.push((from, code.saturating_sub(1)));
-            from = code.saturating_add(1);
-        }
-        ranges.push((from, highest));
-        let width = |range: &(i64, i64)| i128::from(range.1) - i128::from(range.0);
-        let widest = ranges.into_iter().max_by_key(width).unwrap_or((lowest, highest));
-        // At either end of what can be a code there is nothing beyond it.
-        let is_free = !self.broken_wire_codes.iter().any(|it| (widest.0..=widest.1).contains(it));
-        if is_free { widest } else { (i64::MAX, i64::MIN) }
-    }
-}
-
 /// Factor on [`PlausibilityLimits::frozen`] where no other transducer is a witness: friction holds the rod
 /// where a slow stroke turns.
 pub const UNWITNESSED: u32 = 5;
@@ -137,8 +115,8 @@ whole! { Absence { missing, spared } }
 #[derive(Clone, Debug)]
 pub struct Plausibility {
     limits: PlausibilityLimits,
-    /// A range of valid codes without one of a broken wire, inclusive: most readings are in it.
-    plain_codes: (i64, i64),
+    /// Extremes of [`PlausibilityLimits::broken_wire_codes`]: most readings are outside both.
+    broken_wire: (i64, i64),
     absence: Absence,
     last: Option<f64>,
     /// Reading of the other transducer in the cycle of `last`, m.
@@ -153,14 +131,15 @@ pub struct Plausibility {
 
 state! {
     Plausibility { absence, last, beside, still, held, drive, quality }
-    but { limits, plain_codes }
+    but { limits, broken_wire }
 }
 
 impl Plausibility {
     /// Checks with these `limits`.
     pub fn new(limits: PlausibilityLimits) -> Self {
+        let broken = || limits.broken_wire_codes.iter().copied();
         Self {
-            plain_codes: limits.plain_codes(),
+            broken_wire: broken().min().zip(broken().max()).unwrap_or((i64::MAX, i64::MIN)),
             limits,
             absence: Absence::default(),
             last: None,
@@ -183,17 +162,13 @@ impl Plausibility {
         (position - highest).max(0.0) + (position - lowest).min(0.0)
     }
 
-    /// [`Self::judge`] for a reading that changes and is within all limits, as nearly every one is: only then it returns
-    /// true, and nothing else is asked. The other transducer reads `beside`, m.
+    /// Takes a reading that changes and is within all limits, as nearly every one is, as [`Self::judge`] would, but asks
+    /// nothing else. The other transducer reads `beside`, m. Returns `false`, and does nothing, for any other reading.
     #[inline(always)]
-    pub fn is_plain(&mut self, reading: Option<&Reading>, beside: Option<f64>) -> bool {
+    pub fn take_plain(&mut self, reading: Option<&Reading>, beside: Option<f64>) -> bool {
         let Some(reading) = reading else { return false };
-        let (lowest_code, highest_code) = self.plain_codes;
-        let (lowest, highest) = self.limits.lengths;
-        let is_plain = self.last != Some(reading.position)
-            && reading.code.is_none_or(|code| (lowest_code..=highest_code).contains(&code))
-            && reading.status.is_none_or(|status| status & self.limits.status_mask == 0)
-            && (lowest..=highest).contains(&reading.position);
+        let changes = self.last != Some(reading.position);
+        let is_plain = changes && self.beyond_limits(reading).is_none();
         if is_plain {
             (self.last, self.beside) = (Some(reading.position), beside);
             (self.absence, self.quality) = (Absence::default(), Quality::Good);
@@ -353,8 +328,18 @@ impl Plausibility {
     }
 
     fn of_new(&self, reading: &Reading) -> Quality {
+        let of_rest = if self.is_frozen() { Quality::Frozen } else { Quality::Good };
+        self.beyond_limits(reading).unwrap_or(of_rest)
+    }
+
+    /// What is wrong with a reading by itself, if anything.
+    #[inline(always)]
+    fn beyond_limits(&self, reading: &Reading) -> Option<Quality> {
         let limits = &self.limits;
-        let broken_code = reading.code.is_some_and(|code| limits.broken_wire_codes.contains(&code));
+        let broken_code = reading.code.is_some_and(|code| {
+            let (lowest, highest) = self.broken_wire;
+            (lowest..=highest).contains(&code) && limits.broken_wire_codes.contains(&code)
+        });
         let broken_status = reading.status.is_some_and(|s| s & limits.status_mask != 0);
         let code_in_range = reading
             .code
@@ -362,13 +347,11 @@ impl Plausibility {
             .is_none_or(|(code, (lowest, highest))| (lowest..=highest).contains(&code));
         let (lowest, highest) = limits.lengths;
         if broken_code || broken_status {
-            Quality::BrokenWire
+            Some(Quality::BrokenWire)
         } else if !code_in_range || !(lowest..=highest).contains(&reading.position) {
-            Quality::OutOfRange
-        } else if self.is_frozen() {
-            Quality::Frozen
+            Some(Quality::OutOfRange)
         } else {
-            Quality::Good
+            None
         }
     }
 }

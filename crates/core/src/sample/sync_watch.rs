@@ -45,11 +45,19 @@ pub struct SyncWatch {
     window: Option<SyncWindow>,
     /// What was told last.
     told: Option<Doubt>,
-    /// Windows in which Sync was in doubt.
-    doubted: u64,
 }
 
-whole! { SyncWatch { cycle, used, following, extra, forgotten_from, window, told, doubted } }
+whole! { SyncWatch { cycle, used, following, extra, forgotten_from, window, told } }
+
+/// What was found of Sync.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SyncJudgement {
+    /// The doubt that is over, and the one that begins.
+    pub over: Option<Doubt>,
+    pub begins: Option<Doubt>,
+    /// Whether a second has ended in which Sync was in doubt.
+    pub was_doubted: bool,
+}
 
 impl SyncWatch {
     /// Takes a Sync in `cycle`, which is the frame of the number `used` of all that are used. Returns whether it may open
@@ -72,33 +80,25 @@ impl SyncWatch {
         self.extra < FLOOD
     }
 
-    /// Judges at `at`, in `cycle`, up to which as many as `cycles` have opened. Returns what is over, and what begins.
-    pub fn judge(&mut self, at: Timestamp, cycle: u64, cycles: u64) -> [Option<(Doubt, bool)>; 2] {
+    /// Judges at `at`, in `cycle`, up to which as many as `cycles` have opened.
+    pub fn judge(&mut self, at: Timestamp, cycle: u64, cycles: u64) -> SyncJudgement {
         let fresh = SyncWindow { begun: at, cycles, had: 0 };
         let SyncWindow { begun, cycles: before, had } = *self.window.get_or_insert(fresh);
-        let (is_over, opened) = (at.since(begun) >= WINDOW, cycles.saturating_sub(before));
+        let (has_ended, opened) = (at.since(begun) >= WINDOW, cycles.saturating_sub(before));
         let floods = self.extra >= FLOOD && cycle < self.forgotten_from;
-        let state = match self.told {
+        let doubt = match self.told {
             _ if floods => Some(Doubt::Flood),
             Some(Doubt::Flood) => None,
             // A machine that is off has neither cycles nor Syncs.
-            told if !is_over || opened == 0 => told,
+            told if !has_ended || opened == 0 => told,
             _ => (2 * had < opened).then_some(Doubt::Absent),
         };
-        if is_over {
+        if has_ended {
             self.window = Some(fresh);
-            self.doubted += u64::from(state.is_some());
         }
-        let before = core::mem::replace(&mut self.told, state);
-        if before == state {
-            return [None; 2];
-        }
-        [before.map(|doubt| (doubt, true)), state.map(|doubt| (doubt, false))]
-    }
-
-    /// Number of seconds in which Sync was in doubt.
-    pub const fn doubted(&self) -> u64 {
-        self.doubted
+        let before = core::mem::replace(&mut self.told, doubt);
+        let [over, begins] = [before, doubt].map(|it| it.filter(|_| before != doubt));
+        SyncJudgement { over, begins, was_doubted: has_ended && doubt.is_some() }
     }
 
     /// Forgets when what came, after a jump in time.
@@ -112,17 +112,20 @@ mod tests {
     use super::*;
 
     const BEGINS: bool = false;
-    const IS_OVER: bool = true;
+    const OVER: bool = true;
 
     /// Seconds of cycles with so many Syncs each behind the other frames.
     struct Bus {
         watch: SyncWatch,
         cycle: u64,
         used: u64,
+        doubted_seconds: u32,
     }
 
     impl Bus {
-        const NEW: fn() -> Self = || Self { watch: SyncWatch::default(), cycle: 1, used: 0 };
+        fn new() -> Self {
+            Self { watch: SyncWatch::default(), cycle: 1, used: 0, doubted_seconds: 0 }
+        }
 
         /// A second; returns what was told in it.
         fn second(&mut self, syncs: impl Fn(u64) -> u32) -> Vec<(Doubt, bool)> {
@@ -136,7 +139,10 @@ mod tests {
                 self.cycle += 1;
                 if self.cycle.is_multiple_of(5) {
                     let at = Timestamp::from_nanos(self.cycle as i64 * 20_000_000);
-                    told.extend(self.watch.judge(at, self.cycle, self.cycle).into_iter().flatten());
+                    let judged = self.watch.judge(at, self.cycle, self.cycle);
+                    told.extend(judged.over.map(|doubt| (doubt, OVER)));
+                    told.extend(judged.begins.map(|doubt| (doubt, BEGINS)));
+                    self.doubted_seconds += u32::from(judged.was_doubted);
                 }
             }
             told
@@ -145,18 +151,18 @@ mod tests {
 
     #[test]
     fn a_flood_is_told_at_once_and_is_over_a_second_after_its_end() {
-        let mut bus = Bus::NEW();
+        let mut bus = Bus::new();
         assert_eq!(bus.second(|_| 1), []);
         assert_eq!(bus.second(|_| 2), [], "recorded on two interfaces");
         assert_eq!(bus.second(|cycle| 1 + 18 * u32::from(cycle == 103)), [(Doubt::Flood, BEGINS)]);
         assert!(!bus.watch.take(151, bus.used), "none is believed");
-        assert_eq!(bus.second(|_| 1), [(Doubt::Flood, IS_OVER)]);
+        assert_eq!(bus.second(|_| 1), [(Doubt::Flood, OVER)]);
         assert!(bus.watch.take(201, bus.used));
     }
 
     #[test]
     fn three_in_each_cycle_are_a_flood_and_three_in_one_are_not() {
-        let mut bus = Bus::NEW();
+        let mut bus = Bus::new();
         assert_eq!(bus.second(|cycle| 1 + 2 * u32::from(cycle == 25)), []);
         assert_eq!(bus.second(|_| 3), [(Doubt::Flood, BEGINS)]);
     }
@@ -164,7 +170,7 @@ mod tests {
     /// Those of half a second at once, each with the other frames of its cycle.
     #[test]
     fn a_computer_that_stalled_is_no_flood() {
-        let mut bus = Bus::NEW();
+        let mut bus = Bus::new();
         bus.second(|_| 1);
         for _ in 0..25 {
             bus.used += 22;
@@ -175,17 +181,18 @@ mod tests {
 
     #[test]
     fn cycles_without_sync_are_told_once_and_a_machine_that_is_off_is_not() {
-        let mut bus = Bus::NEW();
+        let mut bus = Bus::new();
         bus.second(|_| 1);
         let told: Vec<_> = (0..9).flat_map(|_| bus.second(|_| 0)).collect();
         assert_eq!(told, [(Doubt::Absent, BEGINS)]);
-        assert_eq!(bus.watch.doubted(), 8);
+        assert_eq!(bus.doubted_seconds, 8);
         let told: Vec<_> = (0..2).flat_map(|_| bus.second(|_| 1)).collect();
-        assert_eq!(told, [(Doubt::Absent, IS_OVER)]);
+        assert_eq!(told, [(Doubt::Absent, OVER)]);
         // No cycle opens.
         for i in 0..100 {
             let at = Timestamp::from_nanos(13_000_000_000 + i * 100_000_000);
-            assert_eq!(bus.watch.judge(at, 601 + i as u64, bus.cycle), [None; 2]);
+            let judged = bus.watch.judge(at, 601 + i as u64, bus.cycle);
+            assert_eq!(judged, SyncJudgement::default());
         }
     }
 }

@@ -27,7 +27,7 @@ impl Cylinder {
         now: Evaluation,
     ) -> (bool, bool) {
         let (reading, beside) = (readings[i].as_ref(), self.relied_on(1 - i, readings));
-        let is_plain = self.plausibility[i].is_plain(reading, beside);
+        let is_plain = self.plausibility[i].take_plain(reading, beside);
         // Nearly always: what is good and stands for nothing changes nothing.
         if is_plain && !self.speaks() && !self.implausible[i].raised() {
             return (true, false);
