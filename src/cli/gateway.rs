@@ -32,7 +32,8 @@ pub fn gateway(machine: Machine) -> Gateway {
     }
 }
 
-/// Identifiers that the gateway of a machine receives on `bus`: its own among them, which a socket receives of others only.
+/// Identifiers that the gateway of a machine receives on `bus`, its own included: a socket receives those of other devices
+/// only.
 pub fn identifiers(machine: &Machine, bus: BusNumber) -> Vec<Id> {
     let settings = &machine.loaded.settings;
     let node = settings.canopen_node().map(|_| Node::inputs(settings.gateway.node));

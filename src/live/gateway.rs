@@ -119,7 +119,7 @@ impl Gateway {
         Self { monitor, node: None, imitation, outbox, health, guard, now: Timestamp::default() }
     }
 
-    /// This gateway, which listens for frames of others with its `own` identifiers.
+    /// This gateway, which watches for frames of other devices with its `own` identifiers.
     pub fn with_own_identifiers(self, own: Vec<Id>) -> Self {
         Self { imitation: ImitationWatch::new(own), ..self }
     }
@@ -147,7 +147,7 @@ impl Gateway {
         &self.outbox
     }
 
-    /// Number of frames of others with an identifier of the gateway's own.
+    /// Number of frames of other devices with one of the gateway's own identifiers.
     pub const fn imitated(&self) -> u64 {
         self.imitation.count()
     }

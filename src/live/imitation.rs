@@ -1,14 +1,14 @@
-//! Frames of others with identifiers of the gateway's own.
+//! Detects other devices that send frames with the gateway's own identifiers.
 //!
-//! A socket does not receive what it sends, so that each such frame is of another device: a second gateway with the same
-//! node number, or somebody who tells the bus that all is well.
+//! A socket does not receive the frames that it sends, so each such frame is another device's: a second gateway with the
+//! same node number, or an attacker who reports that all is well.
 
 use crate::frame::{BusNumber, Frame, Id, Kind};
 use crate::monitor::Notice;
 use crate::sample::dispute::Doubt;
 use crate::time::{Span, Timestamp};
 
-/// Time without such a frame after which it is over.
+/// Time without such a frame after which the imitation is over.
 const OVER: Span = Span::from_nanos(10_000_000_000);
 
 /// An identifier of the gateway's own.
@@ -19,7 +19,7 @@ struct OwnIdentifier {
     imitated_at: Option<Timestamp>,
 }
 
-/// Listens for frames of others with identifiers of the gateway's own.
+/// Watches for frames of other devices with the gateway's own identifiers.
 #[derive(Clone, Debug, Default)]
 pub struct ImitationWatch {
     own: Vec<OwnIdentifier>,
@@ -28,18 +28,18 @@ pub struct ImitationWatch {
 }
 
 impl ImitationWatch {
-    /// Listens for `own` identifiers.
+    /// A watch for these `own` identifiers.
     pub fn new(own: Vec<Id>) -> Self {
         let own = own.into_iter().map(|id| OwnIdentifier { id, imitated_at: None }).collect();
         Self { own, count: 0 }
     }
 
-    /// Number of frames of others with an own identifier.
+    /// Number of frames of other devices with an own identifier.
     pub const fn count(&self) -> u64 {
         self.count
     }
 
-    /// Takes any frame from the bus on which the gateway sends; returns what is to be told.
+    /// Takes any frame from the bus on which the gateway sends; returns a notice if an imitation begins.
     #[inline]
     pub fn take(&mut self, frame: &Frame) -> Option<Notice> {
         let own = self.own.iter_mut().find(|own| own.id == frame.id)?;
@@ -52,7 +52,7 @@ impl ImitationWatch {
         is_news.then_some(told(at, id, false))
     }
 
-    /// Advances time to `now`; returns an imitation that is over.
+    /// Advances time to `now`; returns a notice if an imitation is over.
     #[inline]
     pub fn advance(&mut self, now: Timestamp) -> Option<Notice> {
         let is_over =
@@ -63,7 +63,7 @@ impl ImitationWatch {
     }
 }
 
-/// That others send frames with the own identifier `id`, or do so no longer.
+/// The notice that another device sends frames `id`, or no longer does.
 const fn told(at: Timestamp, id: Id, is_over: bool) -> Notice {
     Notice::Doubt { at, id, bus: BusNumber::First, doubt: Doubt::Imitation, is_over }
 }

@@ -111,7 +111,7 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         (counts.repeated, "frame", "that came twice"),
         (counts.contradicting, "frame", "that contradicted another one with the same count"),
         (counts.short, "frame", "too short for the signals that are configured (left out)"),
-        (counts.sync_doubted, "second", "in which Sync flooded, or did not come"),
+        (counts.sync_doubted, "second", "in which Sync was missing or too frequent"),
         (counts.held, "frame", "that came before the cycle (kept for it)"),
         (counts.bad_signals, "value", "beyond the end of the frame, or not a number"),
         (counts.backwards, "frame", "with a time stamp earlier than the previous one"),

@@ -17,24 +17,24 @@ pub fn doubt(id: Id, doubt: Doubt, is_over: bool) -> String {
         ),
         (Doubt::TooShort, true) => format!("frames 0x{id} are no longer too short"),
         (Doubt::Uncounted, false) => format!(
-            "the alive counter of frames 0x{id} does not count them, so that it proves nothing: a frame that is late, or comes \
-             twice, is told by its time alone; look at their sender, or at the counter in the configuration"
+            "the alive counter of frames 0x{id} does not count, so only their times show whether frames are late or repeated; \
+             check their sender, or the counter in the configuration"
         ),
-        (Doubt::Uncounted, true) => format!("the alive counter of frames 0x{id} counts them again"),
+        (Doubt::Uncounted, true) => format!("the alive counter of frames 0x{id} counts again"),
         (Doubt::Flood, false) => format!(
-            "Sync (0x{id}) comes more often than the machine has cycles: somebody else sends it, too, so that readings open \
-             the cycles; find it on the bus, no transducer is to blame"
+            "Sync (0x{id}) arrives more often than once per cycle: a second device sends it. Readings open the cycles until it \
+             stops; find that device on the bus, no transducer is at fault"
         ),
-        (Doubt::Flood, true) => format!("Sync (0x{id}) comes as often as the machine has cycles"),
+        (Doubt::Flood, true) => format!("Sync (0x{id}) arrives once per cycle again"),
         (Doubt::Absent, false) => format!(
-            "Sync (0x{id}) comes for fewer than half of the cycles: readings open them, whose times are less exact; look at \
-             its sender"
+            "Sync (0x{id}) is missing in more than half of the cycles: readings open them, with less exact times; check the \
+             sender of Sync"
         ),
-        (Doubt::Absent, true) => format!("Sync (0x{id}) comes again"),
+        (Doubt::Absent, true) => format!("Sync (0x{id}) arrives again"),
         (Doubt::Imitation, false) => format!(
-            "another device sends frames 0x{id}, which are this gateway's own: whoever receives them cannot tell the two \
-             apart; find it on the bus, or give one of two gateways another node number"
+            "another device sends frames 0x{id}, which only this gateway should send: receivers cannot tell them apart; find \
+             that device, or give a second gateway another node number"
         ),
-        (Doubt::Imitation, true) => format!("nobody else sends frames 0x{id} any more"),
+        (Doubt::Imitation, true) => format!("no other device sends frames 0x{id} any more"),
     }
 }

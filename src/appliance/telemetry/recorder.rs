@@ -26,7 +26,7 @@ pub struct Recorder {
     clock: Arc<dyn Clock>,
     port: PortCounts,
     outbox: OutboxCounts,
-    /// Frames of others with an own identifier that were counted.
+    /// Frames of other devices with an own identifier that are counted already.
     imitated: u64,
     monitor: Counts,
     /// Whether a port was lost and none has been opened since.

@@ -30,7 +30,7 @@ pub(super) struct Totals {
     pub contradicting: Total,
     pub short: Total,
     pub sync_doubted: Total,
-    /// Frames of others with an own identifier, counted by the gateway.
+    /// Frames of other devices with an own identifier, counted by the gateway.
     pub imitated: Total,
     pub held: Total,
     pub bad_signals: Total,
@@ -127,8 +127,8 @@ impl Totals {
             ("frames_repeated", "Frames that came twice.", &self.repeated),
             ("frames_contradicting", "Frames with the count of another one and another payload.", &self.contradicting),
             ("frames_short", "Frames that are too short for what is configured of them.", &self.short),
-            ("sync_doubted_seconds", "Seconds in which Sync flooded, or did not come.", &self.sync_doubted),
-            ("frames_imitated", "Frames of other devices with an identifier of the gateway's own.", &self.imitated),
+            ("sync_doubted_seconds", "Seconds in which Sync was missing or too frequent.", &self.sync_doubted),
+            ("frames_imitated", "Frames of other devices with one of the gateway's own identifiers.", &self.imitated),
             ("frames_held", "Frames that came before their cycle opened, and were kept for it.", &self.held),
             ("signals_bad", "Signals for which the frame was too short, or that are not a finite \
                 number.", &self.bad_signals),

@@ -99,7 +99,7 @@ impl TableRow for SummaryRow {
         "repeated_frames", "", Count, "twice", |it| count(it.counts.repeated);
         "contradicting_frames", "", Count, "with the same count as another one and another payload", |it| count(it.counts.contradicting);
         "short_frames", "", Count, "too short for what is configured of them", |it| count(it.counts.short);
-        "sync_doubted_seconds", "s", Count, "in which Sync flooded, or did not come", |it| count(it.counts.sync_doubted);
+        "sync_doubted_seconds", "s", Count, "in which Sync was missing or too frequent", |it| count(it.counts.sync_doubted);
         "held_frames", "", Count, "before their cycle, and kept", |it| count(it.counts.held);
         "bad_signals", "", Count, "signals that are no finite number", |it| count(it.counts.bad_signals);
         "backwards", "", Count, "frames with an earlier time stamp", |it| count(it.counts.backwards);

@@ -179,8 +179,9 @@ fn symmetric(half: &[f64; HALF]) -> [[f64; DIRECTIONS]; DIRECTIONS] {
     whole
 }
 
-/// How far two curves together may be off in each piece of the first one, by the number of its samples. The pieces next to
-/// rest are the shortest: a sea passes them quickly, and a command that stands at zero is in them for good.
+/// How far two curves together may be off in each piece of the first one, from the number of its samples. The pieces next
+/// to rest are the shortest, so a sea leaves few samples in them; but a command that stays at zero lies there all the time,
+/// and was never judged.
 fn doubts(samples: &[u64], curves: [&Curve; 2]) -> Vec<Option<f64>> {
     let mut doubts: Vec<Option<f64>> =
         samples.iter().map(|samples| (*samples >= LEAST_SAMPLES).then_some(0.0)).collect();

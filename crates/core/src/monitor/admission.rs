@@ -15,7 +15,7 @@ impl Monitor {
     /// Takes a Sync with the time stamp `stamp`.
     pub(super) fn synchronise(&mut self, stamp: Timestamp, now: Timestamp, sink: &mut impl Sink) {
         if !self.sync_watch.take(self.clock.number(), self.counts.used) {
-            // Nobody can tell which of them is the machine's: readings open the cycles meanwhile.
+            // The machine's own Sync cannot be told from the others: readings open the cycles until the flood ends.
             self.drop_set_aside();
             self.counts.repeated += 1;
             self.clock.lose_sync();

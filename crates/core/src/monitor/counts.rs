@@ -26,7 +26,7 @@ pub struct Counts {
     pub contradicting: u64,
     /// Frames that are too short for what is configured of them.
     pub short: u64,
-    /// Seconds in which Sync flooded, or did not come.
+    /// Seconds in which Sync was missing or too frequent.
     pub sync_doubted: u64,
     /// Frames that came before their cycle opened, and were kept for it.
     pub held: u64,

@@ -30,7 +30,7 @@ impl Monitor {
         self.judge_sync(at, sink);
     }
 
-    /// Tells where Sync floods, or does not come.
+    /// Reports Sync that floods or is missing.
     fn judge_sync(&mut self, at: Timestamp, sink: &mut impl Sink) {
         let mut messages = self.subscriptions.all().iter().zip(&self.stations);
         let Some((sync, _)) = messages.find(|(_, station)| station.is_sync()) else { return };

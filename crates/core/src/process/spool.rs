@@ -22,8 +22,8 @@ pub struct SpoolDesign {
     pub curve: Curve,
     /// g₂, by that of the cycle before.
     pub before: Curve,
-    /// How far the curves may be off in each piece of g: nothing where its commands were taught, and by all that they
-    /// rise where these are rare, but those on both sides were taught, such as at rest. `None`: nobody knows.
+    /// How far the curves may be off in each piece of g: zero where enough commands were learnt; their whole rise where
+    /// commands were rare but those on both sides were learnt, as at rest. `None`: not learnt.
     pub doubts: Vec<Option<f64>>,
     /// Standard deviation of x − x̂ at rest, as it was measured.
     pub noise: f64,
@@ -43,14 +43,14 @@ pub struct Stand {
     pub expected: f64,
     /// Variance of their difference.
     pub variance: f64,
-    /// How far the prediction may be off because commands of its time are rare.
+    /// How far the prediction may be off because its recent commands were rare when it was learnt.
     pub doubt: f64,
     /// Whether the prediction has forgotten where it began, on commands that were taught.
     pub is_settled: bool,
 }
 
 impl Stand {
-    /// x − x̂, as far as it is beyond what the prediction may be off.
+    /// The part of x − x̂ that exceeds what the prediction may be off.
     pub fn residual(&self) -> f64 {
         let residual = self.position - self.expected;
         residual - residual.clamp(-self.doubt, self.doubt)

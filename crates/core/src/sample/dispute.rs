@@ -23,13 +23,13 @@ pub enum Doubt {
     Contradiction,
     /// They are too short for the signals that are configured.
     TooShort,
-    /// Their alive counter does not count them, so that it proves nothing.
+    /// Their alive counter does not count, so it proves nothing.
     Uncounted,
-    /// Sync comes more often than cycles can open.
+    /// Sync arrives more often than once per cycle.
     Flood,
-    /// Sync comes for fewer than half of the cycles, which readings open instead.
+    /// Sync is missing in more than half of the cycles, which readings open instead.
     Absent,
-    /// Another device sends them with an identifier of the gateway's own.
+    /// Another device sends frames with one of the gateway's own identifiers.
     Imitation,
 }
 

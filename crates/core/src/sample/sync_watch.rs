@@ -1,20 +1,20 @@
-//! Whether Sync comes as often as the machine has cycles.
+//! Checks that Sync arrives once per cycle.
 //!
-//! A Sync opens a cycle, so that whoever sends too many of them moves the cycles away from the readings. Where it floods,
-//! readings open the cycles, as they do where it does not come.
+//! Sync opens a cycle, so extra Syncs would move the cycles away from the readings. While it floods, readings open the
+//! cycles, as they do when it is missing.
 
 use super::dispute::Doubt;
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 
-/// Syncs in one cycle that follow another one, with no other frame in between, and are no accident: a bus that is recorded
-/// on two interfaces has one. A computer that stalls receives many at once, but the other frames of their cycles, too.
+/// Syncs per cycle that may directly follow another Sync: a bus that is recorded on two interfaces has one. A computer that
+/// has stalled receives many Syncs at once, but with the other frames of their cycles in between.
 const FOLLOWING: u32 = 1;
 
-/// Syncs beyond those, within [`REMEMBERED`] cycles of each other, that are a flood.
+/// Further ones, within [`REMEMBERED`] cycles of each other, that make a flood: a single one is an accident.
 const FLOOD: u32 = 2;
 
-/// Cycles for which Syncs are not believed after the last one too many.
+/// Cycles for which Sync is ignored after the last one too many.
 const REMEMBERED: u64 = 50;
 
 /// Time over which the cycles that had a Sync are counted.
@@ -188,11 +188,15 @@ mod tests {
         assert_eq!(bus.doubted_seconds, 8);
         let told: Vec<_> = (0..2).flat_map(|_| bus.second(|_| 1)).collect();
         assert_eq!(told, [(Doubt::Absent, OVER)]);
-        // No cycle opens.
+        // No cycle opens: Sync is neither missing nor back.
+        for _ in 0..3 {
+            bus.second(|_| 0);
+        }
+        let at_rest = bus.cycle;
         for i in 0..100 {
-            let at = Timestamp::from_nanos(13_000_000_000 + i * 100_000_000);
-            let judged = bus.watch.judge(at, 601 + i as u64, bus.cycle);
-            assert_eq!(judged, SyncJudgement::default());
+            let at = Timestamp::from_nanos(20_000_000_000 + i * 100_000_000);
+            let judged = bus.watch.judge(at, at_rest + i as u64, at_rest);
+            assert_eq!((judged.over, judged.begins), (None, None));
         }
     }
 }
