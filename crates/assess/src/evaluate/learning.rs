@@ -13,7 +13,7 @@ use tertius_dbc::Database;
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
 use tertius_learn::survey::{Origin, Survey, Surveyor, Timeline, Window};
-use tertius_learn::tune::Tuning;
+use tertius_learn::tune::{Thresholds, Tuning};
 use tertius_learn::tune::course::{SIGMA, TuningCourse, Untuned};
 use tertius_machine::simulator::{EPOCH, Options};
 
@@ -151,10 +151,10 @@ impl Stand<'_> {
         let mut taught = self.calibrated(run, other, lessons)?;
         let run = Run { seed: other, settings: &taught.settings, ..run };
         let Tuning { search, thresholds, .. } = run.tuning(lessons.level)?;
-        let (low, high) = (thresholds.low, thresholds.high);
+        let Thresholds { low, high, joint, .. } = thresholds;
         let of = |which: fn(LearntCommands) -> f64| thresholds.commands.map(which);
         let (command, command_change) = (of(|it| it.size), of(|it| it.change));
-        taught.settings.fde = Fde { low, high, command, command_change };
+        taught.settings.fde = Fde { low, high, joint, command, command_change };
         (taught.settings.observer.q, taught.settings.observer.r) =
             (search.weights.q, search.weights.r);
         taught.conclude(grade, self.database)

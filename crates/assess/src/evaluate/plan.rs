@@ -56,6 +56,9 @@ pub struct Extent {
     pub last_hours: f64,
     /// Number of cylinders that are monitored; every one of a machine has its fault.
     pub cylinders: u8,
+    /// Whether the monitor has sequential detectors. They judge once they have a baseline, and take what half of the cylinders
+    /// show at once for something shared, so that fewer have a fault, and later.
+    pub sequential: bool,
     /// Time constant of the spools of the plant, s, for the studies that try another one, too.
     pub lag: f64,
 }
@@ -145,6 +148,9 @@ const HEALTHY_STREAMS: u64 = 1 << 62;
 /// machines at the same times.
 const ESTIMATE_STREAMS: u64 = 1 << 63;
 
+/// Time that a sequential detector takes to its baseline, and half of it again, s.
+const BASELINE: f64 = 7.5;
+
 /// Numbers of machines that a stream has room for: more than any row or cell has.
 const NUMBERS: u64 = 1 << 21;
 
@@ -211,8 +217,13 @@ impl Plan {
         if row.is_alone() {
             trials.div_ceil(4)
         } else {
-            trials.div_ceil(u32::from(self.extent.cylinders))
+            trials.div_ceil(u32::from(self.extent.cylinders).div_ceil(self.turns()))
         }
+    }
+
+    /// Number of machines of a row on which all cylinders together have their faults.
+    fn turns(&self) -> u32 {
+        if self.extent.sequential { contest::TURNS.min(self.extent.cylinders.into()) } else { 1 }
     }
 
     /// The number of healthy machines of a cell.
@@ -264,7 +275,12 @@ impl Plan {
                 let row = &self.rows[row];
                 let mut rng = self.random(row.stream * NUMBERS + u64::from(number));
                 let settle = stand.settings.observer.settle;
-                let one = Try::draw(row, number, self.extent.cylinders, settle, &mut rng);
+                let begin = settle + if self.extent.sequential { BASELINE } else { 0.0 };
+                let mut one = Try::draw(row, number, self.extent.cylinders, begin, &mut rng);
+                if !row.is_alone() {
+                    let turns = self.turns();
+                    one.faults.retain(|fault| u32::from(fault.cylinder) % turns == number % turns);
+                }
                 Product::Trial(stand.trial(row, &one)?)
             }
             Job::Contest(job) => {

@@ -182,6 +182,7 @@ impl<'a> Connector<'a> {
             comparator: Comparator { gain, offset },
             bank: BankDesign {
                 observer: Thresholds { low: fde.low, high: fde.high, clear },
+                joint: fde.joint.unwrap_or(f64::INFINITY),
                 difference: Thresholds {
                     low: settings.comparator_low(),
                     high: settings.comparator.bound,

@@ -66,6 +66,8 @@ table! {
             "7.5e-4", "below this R1 and R2 count towards clearing, m";
         high: f64 = 1.0e-3 => number(Limits::above(0.0, THRESHOLD)),
             "1.0e-3", "above this R1 and R2 raise a warning, m";
+        joint: Option<f64> = None => number(Limits::above(0.0, THRESHOLD)),
+            "1.0e-3", "above this R1 raises a warning of C1 where R2 shows less than a quarter of it and C1 - C2 has moved by at least three quarters of it, and R2 of C2 likewise, m; needs tables of the sequential detector; absent: no such warnings";
         command: Option<f64> = None => number(Limits::above(0.0, "the size of a speed in metres per second")),
             "0.5", "largest command that the thresholds were learnt with, either way, m/s; after a larger one, for observer.settle, R1 or R2 raises a warning only where the other one shows less than half of it; absent: any";
         command_change: Option<f64> = None => number(Limits::above(0.0, "the size of a speed in metres per second")),

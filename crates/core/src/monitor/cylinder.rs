@@ -247,12 +247,13 @@ impl Cylinder {
         let difference = good[0]
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
+        if self.sequential.is_some() {
+            self.judge_sequentially(now, good);
+        }
         let residuals = self.judge(now, innovations, difference);
         self.commands.take(command);
         self.judge_measured(now.at, &readings);
-        if self.sequential.is_some() {
-            self.judge_sequentially(now, good, &residuals);
-        }
+        self.judge_agreement(&residuals);
         if self.process.is_some() {
             self.judge_process(now, good);
         }

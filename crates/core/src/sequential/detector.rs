@@ -26,7 +26,7 @@ use super::velocity::Velocity;
 use super::wild::Outliers;
 use super::witness::Witness;
 use crate::time::Timestamp;
-use crate::verdict::{Fault, Suspect, Testimony, Verdict};
+use crate::verdict::{Fault, Jump, Suspect, Testimony, Verdict};
 
 /// Parameters of one detector.
 #[derive(Clone, Debug)]
@@ -183,6 +183,14 @@ impl Sequential {
     /// is not known, or not healthy.
     pub fn apart(&self) -> Option<f64> {
         self.history.apart().filter(|_| self.verdict == Verdict::Healthy)
+    }
+
+    /// How the readings have moved apart in the newest samples; `None` where this cycle was not judged.
+    #[inline]
+    pub fn jump(&self) -> Option<Jump> {
+        self.residual?;
+        let [apart, before] = self.history.since(Jump::SAMPLES)?;
+        Some(Jump { apart, change: apart - before })
     }
 
     /// The standing alarm.

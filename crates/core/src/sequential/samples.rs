@@ -166,6 +166,12 @@ impl History {
         (self.all.held() >= FEW).then(|| libm::sqrt(squares.sum::<f64>()))
     }
 
+    /// The newest residual, and the one `samples` before it, m; `None` if there are not so many.
+    pub fn since(&self, samples: usize) -> Option<[f64; 2]> {
+        let before = self.all.iter().nth(samples)?;
+        Some([self.all.iter().next()?, before])
+    }
+
     /// Number of cycles that the newest `width` samples that count go back.
     pub fn cycles(&self, width: usize) -> usize {
         self.over(width).map_or(width, |[.., cycles]| cycles as usize)

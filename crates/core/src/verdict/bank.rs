@@ -4,6 +4,7 @@
 use super::Verdict;
 use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, classify_difference};
 use super::history::ResidualHistory;
+use super::jump::Jump;
 use super::parameters::{VerdictCycles, VerdictParameters};
 use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
@@ -23,6 +24,8 @@ pub struct Residuals {
 pub struct BankDesign {
     /// Thresholds of R1 and R2.
     pub observer: Thresholds,
+    /// R1 or R2 beyond which it is a fault where C1 − C2 shows it, too ([`Jump`]), m; infinite where no such rule holds.
+    pub joint: f64,
     /// Thresholds of R3.
     pub difference: Thresholds,
     /// Whether a calibration has told by how much C1 and C2 differ.
@@ -43,7 +46,7 @@ pub struct Detection {
     pub suspect: Suspect,
     /// Newest residual, m, signed.
     pub residual: f64,
-    /// Threshold δ_h, m.
+    /// Threshold that it has exceeded, m: δ_h, or that of joint evidence.
     pub threshold: f64,
 }
 
@@ -58,21 +61,24 @@ pub struct Bank {
     observed: [ResidualHistory<LONGEST_WINDOW>; 2],
     difference: ResidualHistory<LONGEST_DIFFERENCES>,
     found: [Option<Found>; 3],
+    /// Whether R1 or R2 was raised by joint evidence, and has not exceeded δ_h since.
+    by_joint: [bool; 2],
     /// `None` where C1 and C2 are calibrated.
     unaligned: Option<Unaligned>,
     /// Whether any FDE has found a fault.
     any_found: bool,
     /// Signatures of faults in R1 and R2.
     signatures: [Signatures; 2],
+    joint: f64,
     coincidence: Span,
     parameters: &'static VerdictParameters,
     cycles: VerdictCycles,
 }
 
 state! {
-    Bank { triggers, verdicts, newest, observed, difference, found, any_found }
+    Bank { triggers, verdicts, newest, observed, difference, found, by_joint, any_found }
     parts { unaligned }
-    but { signatures, coincidence, parameters, cycles }
+    but { signatures, joint, coincidence, parameters, cycles }
 }
 
 /// State of a raised FDE.
@@ -95,24 +101,37 @@ impl Bank {
             observed: [ResidualHistory::default(), ResidualHistory::default()],
             difference: ResidualHistory::default(),
             found: [None; 3],
+            by_joint: [false; 2],
             unaligned: (!design.calibrated).then(|| {
                 let VerdictParameters { stood, gain, .. } = *design.parameters;
                 Unaligned::new(design.difference, stood, gain)
             }),
             any_found: false,
             signatures: design.signatures.clone(),
+            joint: design.joint,
             coincidence: design.coincidence,
             parameters: design.parameters,
             cycles: design.parameters.cycles(design.sample_time),
         }
     }
 
-    /// Takes the residuals of the cycle at `at`, in which C1 read `length`, m; [`Self::verdicts`] and
-    /// [`Self::detections`] then give the results.
+    /// Takes the residuals of the cycle at `at`, in which C1 read `length`, m, and how C1 − C2 has moved;
+    /// [`Self::verdicts`] and [`Self::detections`] then give the results.
     #[inline(never)]
-    pub fn judge(&mut self, at: Timestamp, residuals: &Residuals, length: Option<f64>) {
+    pub fn judge(
+        &mut self,
+        at: Timestamp,
+        residuals: &Residuals,
+        length: Option<f64>,
+        jump: Option<Jump>,
+    ) {
+        let joint = jump.and_then(|jump| self.joint(residuals, jump));
         for (i, residual) in residuals.r.iter().enumerate() {
             self.verdicts[i] = self.triggers[i].judge(at, *residual);
+            if joint == Some(i) {
+                self.by_joint[i] |= self.triggers[i].raised().is_none();
+                self.verdicts[i] = self.triggers[i].raise(at);
+            }
             if let Some(residual) = *residual {
                 self.newest[i] = residual;
                 if i == FDE3 {
@@ -127,6 +146,21 @@ impl Bank {
         }
         if self.triggers.iter().any(|t| t.raised().is_some()) || self.any_found() {
             self.remember(at);
+        }
+    }
+
+    /// The observer, 0 or 1, that alone exceeds the threshold of joint evidence while C1 − C2 has moved with it.
+    #[inline]
+    fn joint(&self, residuals: &Residuals, jump: Jump) -> Option<usize> {
+        let [r1, r2, _] = residuals.r;
+        let (r1, r2) = r1.zip(r2)?;
+        let is_of = |own: f64, other: f64, jump: Jump| {
+            own.abs() > self.joint && jump.shows(own, other, self.parameters)
+        };
+        if is_of(r1, r2, jump) {
+            Some(0)
+        } else {
+            is_of(r2, r1, jump.reversed()).then_some(1)
         }
     }
 
@@ -163,11 +197,13 @@ impl Bank {
     /// Present detections of FDE1, FDE2 and FDE3.
     pub fn detections(&self) -> [Option<Detection>; 3] {
         core::array::from_fn(|i| {
+            let by_joint = self.by_joint.get(i).is_some_and(|it| *it);
+            let high = self.triggers[i].thresholds().high;
             self.found[i].map(|found| Detection {
                 fault: found.fault,
                 suspect: found.suspect,
                 residual: self.newest[i],
-                threshold: self.triggers[i].thresholds().high,
+                threshold: if by_joint { self.joint } else { high },
             })
         })
     }
@@ -188,6 +224,9 @@ impl Bank {
         for i in 0..3 {
             let Some(mut raise) = self.triggers[i].raised() else {
                 self.found[i] = None;
+                if let Some(by_joint) = self.by_joint.get_mut(i) {
+                    *by_joint = false;
+                }
                 continue;
             };
             if let Some(unaligned) = self.unaligned().filter(|_| i == FDE3) {
@@ -259,6 +298,10 @@ mod tests {
     use super::*;
 
     fn bank() -> Bank {
+        bank_with(1e-3, f64::INFINITY)
+    }
+
+    fn bank_with(high: f64, joint: f64) -> Bank {
         let clear = Span::from_seconds(1.0);
         let thresholds = |high: f64| Thresholds { low: 0.75 * high, high, clear };
         let design = || crate::observe::observer::ObserverDesign {
@@ -269,7 +312,8 @@ mod tests {
             max_gap: 0,
         };
         Bank::new(&BankDesign {
-            observer: thresholds(1e-3),
+            observer: thresholds(high),
+            joint,
             difference: thresholds(1.5e-3),
             calibrated: true,
             coincidence: Span::from_seconds(0.2),
@@ -282,9 +326,43 @@ mod tests {
     fn run(bank: &mut Bank, cycles: std::ops::Range<i64>, r: [f64; 3]) -> Option<Suspect> {
         for cycle in cycles {
             let at = Timestamp::from_nanos(cycle * 20_000_000);
-            bank.judge(at, &Residuals { r: r.map(Some) }, Some(0.0));
+            bank.judge(at, &Residuals { r: r.map(Some) }, Some(0.0), None);
         }
         bank.detections()[FDE3].map(|detection| detection.suspect)
+    }
+
+    /// δ_h is 4 mm, as fluctuations teach it, and a transducer steps by 1.2 mm.
+    #[test]
+    fn one_observer_and_the_difference_find_together_what_neither_does_alone() {
+        let jump = Jump { apart: 1.2e-3, change: 1.25e-3 };
+        for (r, jump, suspect) in [
+            ([1.2e-3, 0.1e-3, 1.2e-3], jump, Suspect::C1),
+            ([0.1e-3, -1.2e-3, 1.2e-3], jump, Suspect::C2),
+            ([0.1e-3, -1.2e-3, -1.2e-3], jump.reversed(), Suspect::Undecided),
+            ([0.1e-3, 1.2e-3, -1.2e-3], jump.reversed(), Suspect::C2),
+            ([1.2e-3, 0.4e-3, 1.2e-3], jump, Suspect::Undecided),
+        ] {
+            let mut bank = bank_with(4e-3, 1e-3);
+            let residuals = Residuals { r: r.map(Some) };
+            bank.judge(Timestamp::from_nanos(0), &residuals, Some(0.0), Some(jump));
+            let found: Vec<_> = bank.detections().into_iter().flatten().collect();
+            let [Some(r1), Some(r2), _] = residuals.r else { unreachable!("they are known") };
+            match suspect {
+                Suspect::Undecided => assert_eq!(found, [], "{r:?}"),
+                _ => {
+                    let own = if suspect == Suspect::C1 { r1 } else { r2 };
+                    let [one] = found[..] else { panic!("{r:?}: {found:?}") };
+                    assert_eq!((one.suspect, one.residual, one.threshold), (suspect, own, 1e-3));
+                }
+            }
+            // The difference stays, and is no jump any more: it ends as any other.
+            for cycle in 1..60 {
+                let at = Timestamp::from_nanos(cycle * 20_000_000);
+                let quiet = Residuals { r: [Some(0.1e-3), Some(0.1e-3), Some(1.2e-3)] };
+                bank.judge(at, &quiet, Some(0.0), Some(Jump { apart: 1.2e-3, change: 0.0 }));
+            }
+            assert_eq!(bank.detections(), [None; 3]);
+        }
     }
 
     /// C1 was faulty when the bus was lost; when it came back C2 was, with the same difference.

@@ -3,6 +3,7 @@
 pub mod bank;
 pub mod fault;
 pub mod history;
+pub mod jump;
 pub mod parameters;
 pub mod suspect;
 pub mod trigger;
@@ -11,6 +12,7 @@ mod unaligned;
 use crate::state::choice;
 pub use bank::{Bank, BankDesign, Residuals};
 pub use fault::Fault;
+pub use jump::Jump;
 pub use parameters::VerdictParameters;
 pub use suspect::{FdeState, Suspect, Testimony};
 pub use trigger::{Thresholds, Trigger};

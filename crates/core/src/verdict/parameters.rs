@@ -31,6 +31,11 @@ pub struct VerdictParameters {
     pub explained: f64,
     /// How much more a ramp must explain than a step, as a ratio; 1 or more. One sample alone fits both.
     pub ramp_advantage: f64,
+    /// Joint evidence takes the other observer to see less than this part of the residual; 0.1 to 0.5. A quarter: two
+    /// fluctuations of four counts, opposite to each other, need an error of the model beyond 0.55 mm beside them.
+    pub joint_quiet: f64,
+    /// And C1 − C2, and its change, to be at least this part of it; 0.5 to 0.9.
+    pub joint_moved: f64,
     /// So many of 64 innovations of the last transducer of a cylinder beyond its limit are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
     /// sample has three: where one in a hundred is wild, as many meet about once in a thousand hours.
     pub last_noise: u32,
@@ -50,6 +55,8 @@ impl VerdictParameters {
         gain: 0.005,
         explained: 0.5,
         ramp_advantage: 1.02,
+        joint_quiet: 0.25,
+        joint_moved: 0.75,
         last_noise: 22,
         confirmed: 0.3,
     };

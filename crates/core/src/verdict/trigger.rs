@@ -71,6 +71,12 @@ impl Trigger {
         if self.raised.is_some() { Verdict::Faulty } else { Verdict::Healthy }
     }
 
+    /// Raises it at `at`, or keeps it raised, by evidence that is more than the residual's magnitude.
+    pub fn raise(&mut self, at: Timestamp) -> Verdict {
+        self.exceeded(at);
+        Verdict::Faulty
+    }
+
     /// Takes back what was raised, because it is explained.
     pub fn withdraw(&mut self) {
         self.raised = None;

@@ -6,6 +6,7 @@ use crate::extremes::{Asked, Maxima, false_alarms, levels};
 use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::sequential::{Design, Input, Sequential};
 use tertius_core::time::Timestamp;
+use tertius_core::verdict::Jump;
 
 /// Judged time of which only the largest evidence counts, s, so that a longer burst is one event.
 const BLOCK: f64 = 10.0;
@@ -133,6 +134,11 @@ impl Watch {
             sights: watched.sights.clone(),
         };
         self.watched.iter().map(|watched| watched.as_ref().map(&mut own)).collect()
+    }
+
+    /// How the readings of this cylinder have moved apart in the newest row.
+    pub fn jump(&self, cylinder: u8) -> Option<Jump> {
+        self.watched[usize::from(cylinder) - 1].as_ref()?.detector.jump()
     }
 
     /// One level for all cylinders that is reached `per_year` times a year, all cylinders together;

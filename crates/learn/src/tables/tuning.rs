@@ -19,7 +19,7 @@ pub fn length(metres: f64) -> String {
 
 /// Meaning of the numbers, and their reliability.
 pub fn meaning(result: &Tuning) -> Vec<String> {
-    let Thresholds { per_year, hours, commands, .. } = result.thresholds;
+    let Thresholds { per_year, hours, joint, commands, .. } = result.thresholds;
     let (count, often) = (result.detectors.len(), provenance::times(per_year));
     let settle = result.settle;
     let mut lines = vec![
@@ -38,6 +38,14 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
             factor(HOURS_PER_YEAR / per_year / hours)
         ),
     ];
+    lines.extend(joint.map(|joint| {
+        format!(
+            "joint: R1 beyond {:.1} mm is a fault of C1 where R2 shows less than a quarter of it and C1 - C2 has moved by at \
+             least three quarters of it, and R2 of C2 likewise; not extrapolated: at least 1.25 times the largest one in \
+             the recording, and the thesis's 1.0 mm",
+            joint * 1e3
+        )
+    }));
     lines.extend(commands.map(|commands| {
         format!(
             "command, command_change: commands of more than {:.3} m/s, or that change by more than {:.4} m/s from one cycle \
@@ -94,10 +102,13 @@ pub fn of(result: &Tuning, version: &str) -> String {
     for remark in &result.remarks {
         _ = writeln!(text, "# {}", provenance::one_line(remark));
     }
-    let Thresholds { low, high, commands, .. } = result.thresholds;
+    let Thresholds { low, high, joint, commands, .. } = result.thresholds;
     let (low, high) = (four_digits(low), four_digits(high));
     // Rounding up may put them past each other where they are the same.
     _ = writeln!(text, "[fde]\nlow = {:?}\nhigh = {high:?}", low.min(high));
+    if let Some(joint) = joint {
+        _ = writeln!(text, "joint = {:?}", four_digits(joint));
+    }
     if let Some(commands) = commands {
         let LearntCommands { size, change } = commands;
         _ = writeln!(text, "command = {size:?}\ncommand_change = {change:?}");

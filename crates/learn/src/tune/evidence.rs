@@ -18,6 +18,8 @@ struct Witness {
     residuals: Spread,
     magnitudes: Sketch,
     maxima: Maxima,
+    /// Residual of the newest row, m, where it is judged.
+    newest: Option<f64>,
 }
 
 /// Results of one transducer's observer.
@@ -72,6 +74,7 @@ impl Evidence {
                     residuals: Spread::default(),
                     magnitudes: Sketch::new(),
                     maxima: Maxima::new(block),
+                    newest: None,
                 })
             };
             (*cylinder, [witness(0), witness(1)])
@@ -80,6 +83,12 @@ impl Evidence {
         let lulls = vec![Lull::default(); cylinders.len()];
         let cylinders = cylinders.iter().zip(designs).map(witnesses).collect();
         Self { cylinders, pauses, lulls, commands }
+    }
+
+    /// Residuals R1 and R2 of the newest row of this cylinder, m, where they are judged.
+    pub fn newest(&self, cylinder: u8) -> [Option<f64>; 2] {
+        let (_, witnesses) = &self.cylinders[usize::from(cylinder) - 1];
+        witnesses.each_ref().map(|witness| witness.as_ref()?.newest)
     }
 
     /// Results of every observer; with a tail where there are enough data.
@@ -132,7 +141,8 @@ impl Surveyor for Evidence {
                 None => witness.observer.stop(Restart::Gap),
             }
             let residual = cycle.step(&mut witness.observer, transducer);
-            if let Some(residual) = residual.filter(|_| is_taught) {
+            witness.newest = residual.filter(|_| is_taught);
+            if let Some(residual) = witness.newest {
                 witness.residuals.add(residual);
                 witness.magnitudes.add(residual);
                 witness.maxima.add(residual);

@@ -19,6 +19,7 @@ pub mod course;
 pub mod criterion;
 mod drawn;
 pub mod evidence;
+mod joint;
 mod pause;
 pub mod response;
 pub mod search;
@@ -121,6 +122,9 @@ pub struct Thresholds {
     pub low: f64,
     /// Upper threshold δ_h, m.
     pub high: f64,
+    /// R1 or R2 that is a fault where C1 − C2 shows it, too, m; `None` where `high` is no larger, or no sequential detector is
+    /// calibrated.
+    pub joint: Option<f64>,
     /// Commands that they were made with; `None` where none moved a rod.
     pub commands: Option<LearntCommands>,
     /// False alarms of the whole machine in a year of monitoring.

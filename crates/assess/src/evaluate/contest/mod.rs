@@ -39,7 +39,7 @@ const LEAD: f64 = 37.0;
 
 /// Cylinders in each of which one has a fault at once. Where half of the cylinders show a fault, the
 /// detectors attribute it to something shared.
-const TURNS: u32 = 3;
+pub(super) const TURNS: u32 = 3;
 
 /// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 3 << 40;

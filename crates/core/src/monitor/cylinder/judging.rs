@@ -35,7 +35,8 @@ impl Cylinder {
         if self.commands.is_beyond() {
             self.keep_lonely(&mut residuals, judged);
         }
-        self.bank.judge(now.at, &residuals, self.length);
+        let jump = self.sequential.as_deref().and_then(Sequential::jump);
+        self.bank.judge(now.at, &residuals, self.length, jump);
         residuals
     }
 
@@ -147,12 +148,7 @@ impl Cylinder {
     }
 
     #[inline(never)]
-    pub(super) fn judge_sequentially(
-        &mut self,
-        now: Evaluation,
-        good: [Option<Measurement>; 2],
-        residuals: &Residuals,
-    ) {
+    pub(super) fn judge_sequentially(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
         let Some(sequential) = &mut self.sequential else { return };
         let [c1, c2] = good;
         sequential.step(&sequential::Input {
@@ -165,6 +161,12 @@ impl Cylinder {
             at_stop: now.at_stop,
         });
         self.tally.sequential.get_or_insert_default().count(sequential.unknown());
+    }
+
+    /// Whether C1 and C2 agree with each other while an observer disagrees with one of them.
+    #[inline]
+    pub(super) fn judge_agreement(&mut self, residuals: &Residuals) {
+        let Some(sequential) = &self.sequential else { return };
         let [fde1, fde2, _] = self.bank.verdicts();
         let [r1, r2, _] = residuals.r;
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
