@@ -287,7 +287,8 @@ impl Evaluate {
             studies: asked.into_iter().filter_map(Studied::study).collect(),
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },
             cylinders: settings.machine.cylinders,
-            sequential: (1..=settings.machine.cylinders).any(|n| settings.sequential_of(n).is_some()),
+            sequential: (1..=settings.machine.cylinders)
+                .any(|n| settings.sequential_of(n).is_some()),
             lag: tables.valve.lag,
         })
     }

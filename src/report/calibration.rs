@@ -2,7 +2,7 @@
 
 use super::coverage;
 use super::sheet::{Section, Sheet};
-use crate::calibrate::{Calibration, TriedBand};
+use crate::calibrate::{Calibration, LearntExcursions, Scatter, TriedBand};
 use crate::config::settings::{CylinderProcess, FrictionTable};
 use crate::extremes::four_digits;
 use crate::report::ReadWith;
@@ -17,7 +17,9 @@ pub fn page(result: &Calibration, with: &ReadWith) -> String {
     let mut text = format!("{machine}: {inputs} with {with}\n{}\n\n", parts(result));
     let coverage = coverage::section(result);
     let (process, supply) = (process(result), supply(result));
-    for section in [lines(result), bands(result), sequential(result), process, supply, coverage] {
+    let (sequential, excursions) = (sequential(result), excursions(result));
+    for section in [lines(result), bands(result), sequential, excursions, process, supply, coverage]
+    {
         let section = section.text();
         if !section.is_empty() {
             text += &section;
@@ -104,6 +106,52 @@ pub fn sequential(result: &Calibration) -> Section {
         "for the sequential detectors: stroke covered, C1 − C2 beyond hat functions and velocity \
          (where it was tried), the deviation from the command's prediction in a cycle, and the \
          level",
+    )
+}
+
+/// Excursions of transducers that fluctuate, and what their limits find.
+pub fn excursions(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&[
+        "cylinder",
+        "up",
+        "down",
+        "a minute",
+        "size",
+        "largest",
+        "lasts",
+        "longest",
+        "step in 0.1 s",
+        "0.3 s",
+        "1 s",
+    ]);
+    for cylinder in &result.cylinders {
+        let Some((_, Scatter { excursions: Some(learnt), .. })) = &cylinder.sequential else {
+            continue;
+        };
+        let LearntExcursions { rate, directions: [up, down], sizes, lengths, smallest, .. } =
+            learnt;
+        let millimetres = |size: f64| format!("{:.2} mm", size * 1e3);
+        let step = |within: usize| {
+            let size = smallest[within].size;
+            size.map_or_else(|| "none".to_owned(), millimetres)
+        };
+        table.add_row([
+            cylinder.number.to_string(),
+            up.to_string(),
+            down.to_string(),
+            format!("{:.1}", rate * 60.0),
+            millimetres(sizes[0]),
+            millimetres(sizes[2]),
+            format!("{:.2} s", lengths[0]),
+            format!("{:.2} s", lengths[2]),
+            step(0),
+            step(1),
+            step(2),
+        ]);
+    }
+    table.about(
+        "transducers that fluctuate: excursions of C1 − C2 up and down, median and largest of all cylinders, and the smallest \
+         steps that the limits computed from them find within a time",
     )
 }
 

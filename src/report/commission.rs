@@ -1,5 +1,6 @@
 //! A commissioning as a page for people: the verdict first.
 
+use super::calibration;
 use super::sheet::{Section, Sheet};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
@@ -22,7 +23,11 @@ pub fn page(result: &Commissioned, with: &ReadWith) -> String {
         text += &listed(head, lines);
     }
     _ = writeln!(text, "\n{}", origin(result, with));
-    for section in [tables(result), trial(result), faults(result)] {
+    let excursions = result.taught.calibration.as_ref().map(calibration::excursions);
+    for section in [Some(tables(result)), excursions, Some(trial(result)), Some(faults(result))]
+        .into_iter()
+        .flatten()
+    {
         let section = section.text();
         if !section.is_empty() {
             _ = write!(text, "\n{section}");

@@ -45,7 +45,7 @@ pub use process::{
 use recorder::RECORDER;
 pub use recorder::Recorder;
 use sequential::SEQUENTIAL;
-pub use sequential::{CylinderSequential, Sequential};
+pub use sequential::{CylinderExcursions, CylinderSequential, Sequential};
 use signals::SIGNALS;
 pub use signals::{CylinderSignals, Signals};
 

@@ -11,6 +11,7 @@
 //! - [`learnt`]: frames kept of healthy recordings, so that those of several days add up.
 
 pub mod calibrate;
+pub mod excursions;
 pub mod extremes;
 pub mod identify;
 pub mod learnt;

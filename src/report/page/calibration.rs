@@ -40,6 +40,7 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
     page.section(&text::lines(result));
     page.section(&text::bands(result));
     page.section(&text::sequential(result));
+    page.section(&text::excursions(result));
     page.section(&text::process(result));
     page.section(&text::supply(result));
     page.section(&covered::section(result));

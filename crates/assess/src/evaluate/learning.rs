@@ -13,8 +13,8 @@ use tertius_dbc::Database;
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
 use tertius_learn::survey::{Origin, Survey, Surveyor, Timeline, Window};
-use tertius_learn::tune::{Thresholds, Tuning};
 use tertius_learn::tune::course::{SIGMA, TuningCourse, Untuned};
+use tertius_learn::tune::{Thresholds, Tuning};
 use tertius_machine::simulator::{EPOCH, Options};
 
 /// Hours to learn from in each sea.

@@ -1,13 +1,15 @@
 //! From the fitted tables to a sequential detector.
 
 use super::{Connector, Flaw};
-use crate::settings::CylinderSequential;
+use crate::settings::{CylinderExcursions, CylinderSequential};
+use tertius_core::sequential::excursions::STRAYS;
 use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::whitening::Whitening;
 use tertius_core::sequential::wild::Outliers;
+use tertius_core::sequential::windows::WIDTHS;
 use tertius_core::sequential::{
-    Design, Drive, Noise, PairDesign, Rate, Reference, SequentialParameters,
+    Design, Drive, ExcursionLimits, Noise, PairDesign, Rate, Reference, SequentialParameters,
 };
 
 /// Least number of samples with which a cell of the stroke is covered, for a table that does not
@@ -33,6 +35,7 @@ impl Connector<'_> {
             rate: Rate::new(fitted.rate_spacing, &fitted.rate),
             square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
             dependence: [fitted.mean_dependence, fitted.square_dependence],
+            excursions: fitted.excursions.as_ref().map(|it| excursions(it, fitted.noise)),
             deviation: fitted.deviation,
             noise: Noise { rest: fitted.noise, timing: fitted.timing },
             resolution: fitted.resolution,
@@ -70,6 +73,22 @@ impl Connector<'_> {
                 ));
             })
             .ok()
+    }
+}
+
+fn excursions(fitted: &CylinderExcursions, rest: f64) -> ExcursionLimits {
+    let limits = |values: &[f64], from: usize| core::array::from_fn(|index| values[from + index]);
+    let run = |limit: u64| u16::try_from(limit).ok().filter(|limit| *limit > 0);
+    ExcursionLimits {
+        level: fitted.level,
+        rest,
+        longest: u16::try_from(fitted.longest).unwrap_or(u16::MAX),
+        boxes: ExcursionLimits::boxes(fitted.first_box, fitted.box_width),
+        runs: core::array::from_fn(|g| core::array::from_fn(|j| run(fitted.runs[g * STRAYS + j]))),
+        clips: fitted.clips,
+        sums: core::array::from_fn(|clip| limits(&fitted.sums, clip * WIDTHS.len())),
+        squares: limits(&fitted.squares, 0),
+        elsewhere: limits(&fitted.elsewhere, 0),
     }
 }
 

@@ -2,10 +2,11 @@
 //! cylinder.
 
 use super::fitted::{FITTED, dependence, fitted};
-use crate::kinds::{number, numbers, text};
+use crate::kinds::{number, numbers, text, whole};
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use crate::text::TextRule;
 use tertius_core::sequential::drive::FEATURES;
+use tertius_core::sequential::excursions::{BOXES, CLIPS, STRAYS};
 use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
@@ -105,5 +106,46 @@ table! {
             Kind::List { least: ORDER, most: ORDER, of: Scalar::Number(Limits::least(-1.0, FITTED).most(1.0)) },
             "[0.4, 0.1, -0.2, -0.4, -0.3, -0.1]",
             "how alike two of these deviations are that are 1, 2, ... cycles apart; absent: not known";
+        excursions: Option<CylinderExcursions> = None => Kind::Table(&CYLINDER_EXCURSIONS),
+            "", "limits by the excursions of transducers that fluctuate; absent: they do not, or are too coarse to show it";
+    }
+}
+
+/// Limits of runs: for each box, with each number of strays.
+const RUNS: usize = BOXES * STRAYS;
+
+/// A limit above 0 for each window of each of so many statistics.
+const fn limits_of(count: usize) -> Kind {
+    let count = count * WIDTHS.len();
+    Kind::List { least: count, most: count, of: Scalar::Number(Limits::above(0.0, FITTED)) }
+}
+
+table! {
+    /// How far the readings of one cylinder may be apart, and for how long, where its transducers fluctuate.
+    pub struct CylinderExcursions = CYLINDER_EXCURSIONS {
+        level: f64 => number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
+            "23.0", "the level that these limits stand for, nats";
+        rate: f64 => number(Limits::least(0.0, FITTED)),
+            "0.05", "excursions of both transducers together, 1/s";
+        size: f64 => number(Limits::above(0.0, FITTED)),
+            "4.34e-4", "the size that 95 % of them do not exceed, m";
+        longest: u64 => whole(1, u16::MAX as i128, FITTED),
+            "11", "the longest one, samples";
+        first_box: f64 => number(Limits::above(0.0, FITTED)),
+            "2.8e-4", "the lower end of the first box of C1 - C2, m; the others follow every 0.125 mm";
+        box_width: f64 => number(Limits::above(0.0, FITTED)),
+            "5e-4", "from the lower to the upper end of a box, m; the last one has no upper end";
+        /// For each box without a stray, with one, and with two.
+        runs: Vec<u64> =>
+            Kind::List { least: RUNS, most: RUNS, of: Scalar::Whole(WholeLimits::new(0, u16::MAX as i128, FITTED)) },
+            "", "samples in a row in each box that are too many, with 0, 1 and 2 strays; 0: none are";
+        clips: [f64; CLIPS] => numbers(CLIPS, Limits::above(0.0, FITTED)),
+            "[2.8e-4, 6.1e-4, 1.25e-3]", "values beyond which a sample counts no more, m";
+        sums: Vec<f64> => limits_of(CLIPS),
+            "", "largest sums of C1 - C2, for each clip and each width of the windows, m";
+        squares: Vec<f64> => limits_of(1),
+            "", "largest sums of its square, for each width, m2";
+        elsewhere: Vec<f64> => limits_of(1),
+            "", "most samples that are off and elsewhere than the one before, for each width";
     }
 }

@@ -1,6 +1,7 @@
 //! The sequential detector of one cylinder.
 
 mod alarmed;
+mod locating;
 mod saved;
 mod together;
 
@@ -9,13 +10,14 @@ use super::baseline::{Baseline, Loss, Slow};
 use super::clip::Clipping;
 use super::coverage::Unknown;
 use super::dwell::{Dwell, Dwelling};
+use super::excursions::{ExcursionLimits, Excursions};
 use super::history::DwellHistory;
 use super::noise::Noise;
 use super::pair::{Pair, PairDesign};
 use super::parameters::{SequentialCycles, SequentialParameters};
 use super::rate::Rate;
 use super::reference::Reference;
-use super::samples::{History, Sample};
+use super::samples::{History, NEWEST, Sample};
 use super::scale::Proportion;
 use super::search::Search;
 use super::skew::Skew;
@@ -37,6 +39,9 @@ pub struct Design {
     /// Rate function of the square of the weighted residual.
     pub square_rate: Rate,
     pub dependence: Dependence,
+    /// Limits by the excursions of transducers that fluctuate; `None` where they do not, or are too coarse to show it. Then
+    /// the rate functions and their dependence decide.
+    pub excursions: Option<ExcursionLimits>,
     /// Standard deviation of the healthy residual at any speed, m.
     pub deviation: f64,
     /// Dependence of the scatter on the speed.
@@ -86,6 +91,7 @@ pub struct Sequential {
     thinning: Thinning,
     history: History,
     search: Search,
+    excursions: Option<Excursions>,
     /// Present estimate of the noise.
     noise: Noise,
     /// Time by which C2 is now sampled sooner than C1, s.
@@ -130,8 +136,13 @@ impl Sequential {
             loss: Loss::default(),
             thinning: Thinning::new(residual, sample_time, deviation, farthest),
             scales,
-            history: History::holding(cycles.newest),
+            history: History::holding(if design.excursions.is_some() {
+                NEWEST
+            } else {
+                cycles.newest
+            }),
             search: Search::default(),
+            excursions: design.excursions.as_ref().map(Excursions::new),
             noise: design.noise.relied_on(),
             sooner: 0.0,
             sampled_anew: false,
@@ -326,6 +337,9 @@ impl Sequential {
     fn forget(&mut self) {
         self.history.clear();
         self.search = Search::default();
+        if let Some(excursions) = &mut self.excursions {
+            excursions.clear();
+        }
     }
 
     /// Judges by the stops which reading has drifted, which nothing else could tell: while the

@@ -5,6 +5,8 @@
 //! Jones, 1976). It only tells for about half a second: then the filter has followed the step, and
 //! in the closed loop the machine has, too.
 
+mod onset;
+
 use super::drive::{Commands, Drive};
 use super::parameters::{PairParameters, SequentialParameters};
 use super::whitening::{ORDER, Whitening};

@@ -11,12 +11,14 @@
 mod alarm;
 mod drive;
 mod evidence;
+mod onset;
 mod residual;
 mod sampling;
 
 pub use alarm::{AlarmParameters, KindParameters, PairParameters, ScaleParameters};
 pub use drive::{DriveCycles, DriveParameters};
 pub use evidence::{DependenceParameters, EvidenceParameters, OutlierParameters};
+pub use onset::OnsetParameters;
 pub use residual::{ResidualCycles, ResidualParameters};
 pub use sampling::{SamplingParameters, WitnessParameters};
 
@@ -32,6 +34,7 @@ pub struct SequentialParameters {
     pub alarm: AlarmParameters,
     pub kind: KindParameters,
     pub pair: PairParameters,
+    pub onset: OnsetParameters,
     pub drive: DriveParameters,
     pub scale: ScaleParameters,
     pub sampling: SamplingParameters,
@@ -46,6 +49,7 @@ impl SequentialParameters {
         alarm: AlarmParameters::DEFAULT,
         kind: KindParameters::DEFAULT,
         pair: PairParameters::DEFAULT,
+        onset: OnsetParameters::DEFAULT,
         drive: DriveParameters::DEFAULT,
         scale: ScaleParameters::DEFAULT,
         sampling: SamplingParameters::DEFAULT,

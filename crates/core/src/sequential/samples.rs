@@ -89,6 +89,15 @@ impl<const N: usize> Newest<N> {
         self.count = 0;
     }
 
+    /// The residuals, newest first, m; as many as are [`Self::held`].
+    pub fn in_order(&self) -> [f64; N] {
+        let mut all = [0.0; N];
+        for (place, residual) in all.iter_mut().zip(self.iter()) {
+            *place = residual;
+        }
+        all
+    }
+
     /// The residuals, newest first, m.
     pub fn iter(&self) -> impl Iterator<Item = f64> {
         (1..=self.held()).map(|ago| self.ring[self.count.wrapping_sub(ago) % N])

@@ -157,11 +157,7 @@ impl Bank {
         let is_of = |own: f64, other: f64, jump: Jump| {
             own.abs() > self.joint && jump.shows(own, other, self.parameters)
         };
-        if is_of(r1, r2, jump) {
-            Some(0)
-        } else {
-            is_of(r2, r1, jump.reversed()).then_some(1)
-        }
+        if is_of(r1, r2, jump) { Some(0) } else { is_of(r2, r1, jump.reversed()).then_some(1) }
     }
 
     /// Restarts the clearing times after a time jump; detections stand. But the side of R3 is

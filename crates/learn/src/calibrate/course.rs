@@ -2,6 +2,7 @@
 
 use super::constancy::{Constancies, LastingStep};
 use super::cutting::{Cuts, are_few, places};
+use super::fluctuating::LearntExcursions;
 use super::watch::{OwnLevel, Watch};
 use super::{
     Bound, CalibrationRefusal, Contradiction, CylinderCalibration, Division, Fitting, Gathering,
@@ -140,10 +141,18 @@ impl CalibrationCourse<'_> {
             .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
         let mut scattering = Scattering::new(sample_time, self.outliers(), &division, spread);
         recording.read(tried, cuts.around(&mut scattering))?;
-        let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
-            judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
+        let level = sequential::level(
+            self.per_year,
+            settings.machine.cylinders,
+            settings.machine.sample_time,
+        );
+        let mut excursions = scattering.excursions(level, sample_time);
+        let mut judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
+            let scatter = scattering.result(i)?;
+            let scatter = Scatter { excursions: excursions[i].take(), ..scatter };
+            judged(taught.as_ref()?.0.clone(), scatter)
         };
-        let sequential: Vec<_> = profiles.iter().enumerate().map(judge).collect();
+        let sequential: Vec<_> = profiles.iter().enumerate().map(&mut judge).collect();
         let mut taught = Taught {
             gathering,
             results,
@@ -366,6 +375,7 @@ impl CylinderCalibration {
                     drive: profile.drive.map(|drive| drive.0),
                     prediction: scatter.prediction.map_or(0.0, |it| it.deviation),
                     prediction_correlation: scatter.prediction.and_then(|it| it.correlation),
+                    excursions: scatter.excursions.as_ref().map(LearntExcursions::table),
                 }
             }),
             ..Cylinder::new(self.number)

@@ -3,6 +3,7 @@
 
 use super::division::{Division, Halves};
 use super::fitting::Fitted;
+use super::fluctuating::{self, GatheredExcursions, LearntExcursions};
 use super::predicting::{Predicted, Predicting};
 use super::profile::Profile;
 use super::residuals::{Residual, Residuals, deviation};
@@ -53,6 +54,8 @@ pub struct Scatter {
     pub samples: u64,
     /// Largest residual, m.
     pub largest: f64,
+    /// Limits by the excursions of transducers that fluctuate; `None` where they do not, or too little is known of it.
+    pub excursions: Option<LearntExcursions>,
 }
 
 impl Scatter {
@@ -69,6 +72,7 @@ impl Scatter {
             rate: self.rate.clone(),
             square_rate: self.square_rate.clone(),
             dependence: self.dependence,
+            excursions: self.excursions.as_ref().map(|learnt| learnt.limits.clone()),
             deviation: self.deviation,
             noise: self.spread.noise,
             resolution: self.spread.resolution,
@@ -120,6 +124,7 @@ struct Judged {
     measuring: Vec<Measuring>,
     division: Division,
     predicting: Predicting,
+    excursions: GatheredExcursions,
 }
 
 impl Scattering {
@@ -153,6 +158,7 @@ impl Scattering {
                 measuring: vec![Measuring::default(); division.lots()],
                 division: division.clone(),
                 predicting: Predicting::default(),
+                excursions: GatheredExcursions::new(noise.relied_on(), resolution),
             }
         };
         Self { cylinders: cylinders.into_iter().map(|all| all.map(judged)).collect() }
@@ -180,7 +186,14 @@ impl Scattering {
             prediction: predicting.result().filter(|it| it.deviation <= FARTHEST_OFF * deviation),
             samples: magnitudes.total(),
             largest: self.cylinders[index].as_ref()?.largest,
+            excursions: None,
         })
+    }
+
+    /// Limits of every cylinder by the excursions of its transducers, at this `level`, nats.
+    pub fn excursions(&self, level: f64, sample_time: f64) -> Vec<Option<LearntExcursions>> {
+        let gathered = self.cylinders.iter().map(|one| Some(&one.as_ref()?.excursions));
+        fluctuating::learn(gathered.collect(), level, sample_time)
     }
 
     /// Why there is no result, or an uncertain one, for the cylinder of `index` (from 0), in words;
@@ -222,6 +235,7 @@ impl Judged {
     fn interrupt(&mut self) {
         self.residuals.interrupt();
         self.history.clear();
+        self.excursions.interrupt();
         if let Some(pair) = &mut self.pair {
             pair.reset();
         }
@@ -247,7 +261,10 @@ impl Judged {
                 None => self.predicting.interrupt(),
             }
         }
-        let Some((residual, beyond)) = residual.zip(beyond) else { return };
+        let Some((residual, beyond)) = residual.zip(beyond) else {
+            return self.excursions.interrupt();
+        };
+        self.excursions.take(beyond, residual.velocity);
         let share = self.noise.share(residual.velocity);
         let sample = Sample { residual: beyond, share, doubt: residual.doubt };
         self.history.push(sample, &Clip::new(&self.bands), residual.independence);

@@ -4,7 +4,7 @@
 use super::{Cuts, Division, Halves};
 use crate::extremes::{Asked, Maxima, false_alarms, levels};
 use crate::survey::{Lull, Row, Surveyor};
-use tertius_core::sequential::{Design, Input, Sequential};
+use tertius_core::sequential::{Design, ExcursionLimits, Input, Sequential};
 use tertius_core::time::Timestamp;
 use tertius_core::verdict::Jump;
 
@@ -126,12 +126,21 @@ impl Watch {
     /// The level that each cylinder needs for `per_year` false alarms a year of all together;
     /// `None` without a detector.
     pub fn levels(&self, per_year: f64) -> Vec<Option<OwnLevel>> {
-        let maxima: Vec<_> = self.watched.iter().flatten().map(|one| &one.maxima).collect();
+        let by_tail = self.watched.iter().flatten().filter(|one| one.limits().is_none());
+        let maxima: Vec<_> = by_tail.map(|one| &one.maxima).collect();
         let mut asked = levels(&maxima, per_year, self.sample_time, self.least_level).into_iter();
-        let mut own = |watched: &Watched| OwnLevel {
-            asked: asked.next().flatten(),
-            worst: watched.worst,
-            sights: watched.sights.clone(),
+        let mut own = |watched: &Watched| {
+            let worst = watched.worst;
+            let asked = match watched.limits() {
+                // They were computed for the rate, and are not learnt from the tail of what they judge.
+                Some(limits) => {
+                    let seconds = watched.maxima.cycles() as f64 * self.sample_time;
+                    let worst = worst.map_or(0.0, |sight| sight.nats);
+                    Some(Asked::given(limits.level, worst, seconds))
+                }
+                None => asked.next().flatten(),
+            };
+            OwnLevel { asked, worst, sights: watched.sights.clone() }
         };
         self.watched.iter().map(|watched| watched.as_ref().map(&mut own)).collect()
     }
@@ -207,6 +216,10 @@ impl Watched {
             sights: Vec::new(),
             begun: f64::NEG_INFINITY,
         }
+    }
+
+    fn limits(&self) -> Option<&ExcursionLimits> {
+        self.fresh.design().excursions.as_ref()
     }
 
     /// Selects the reference from the other half; `false` where the row is not to be judged.

@@ -54,6 +54,12 @@ pub struct Asked {
 }
 
 impl Asked {
+    /// A level that is given, whatever the tail of the evidence is; the largest was `worst`, nats, in so many `seconds`.
+    pub const fn given(level: f64, worst: f64, seconds: f64) -> Self {
+        let (nats, floor, least) = (level, level, level);
+        Self { nats, floor, slope: 1.0, peaks: 0, worst, seconds, least, slower: None }
+    }
+
     /// The level that is used, nats.
     pub fn level(&self) -> f64 {
         self.nats.clamp(self.least, LARGEST_LEVEL)

@@ -5,7 +5,7 @@ use super::provenance::{self, one_line};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND};
 use crate::extremes::{HOURS_PER_YEAR, four_digits, times};
 use std::fmt::Write as _;
-use tertius_config::settings::{Cylinder, CylinderSequential};
+use tertius_config::settings::{Cylinder, CylinderExcursions, CylinderSequential};
 
 /// Factor in rarity beyond which a rate is bounded by the evidence, and not measured.
 const FAR: f64 = 100.0;
@@ -104,6 +104,32 @@ pub(super) fn six(values: &[f64]) -> String {
     format!("[{}]", texts.join(", "))
 }
 
+fn excursions_table(table: &CylinderExcursions) -> String {
+    let CylinderExcursions {
+        level,
+        rate,
+        size,
+        longest,
+        first_box,
+        box_width,
+        runs,
+        clips,
+        sums,
+        squares,
+        elsewhere,
+    } = table;
+    format!(
+        "\n[cylinder.sequential.excursions]\nlevel = {level:?}\nrate = {:?}\nsize = {size:e}\nlongest = {longest}\n\
+         first_box = {first_box:e}\nbox_width = {box_width:e}\nruns = {runs:?}\nclips = {}\nsums = {}\nsquares = {}\n\
+         elsewhere = {}\n",
+        four_digits(*rate),
+        six(clips),
+        six(sums),
+        six(squares),
+        six(elsewhere),
+    )
+}
+
 fn sequential_table(table: &CylinderSequential) -> String {
     // All of it: what is not written is read as what it was before there was a key for it.
     let CylinderSequential {
@@ -128,6 +154,7 @@ fn sequential_table(table: &CylinderSequential) -> String {
         drive,
         prediction,
         prediction_correlation,
+        excursions,
     } = table;
     let mut text = "\n[cylinder.sequential]\n".to_owned();
     if let Some(seconds) = sample_time {
@@ -155,6 +182,9 @@ fn sequential_table(table: &CylinderSequential) -> String {
     }
     if let Some(correlation) = prediction_correlation {
         _ = writeln!(text, "prediction_correlation = {}", six(correlation));
+    }
+    if let Some(excursions) = excursions {
+        text += &excursions_table(excursions);
     }
     text
 }

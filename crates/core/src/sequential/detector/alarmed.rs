@@ -22,7 +22,10 @@ impl Sequential {
         let AlarmParameters { least_watched, calm, slow, .. } = self.design.parameters.alarm;
         let widest = WIDTHS[WIDTHS.len() - 1];
         let widest = self.alarm.map_or(widest, |alarm| alarm.watched(least_watched));
-        self.peaks = self.search.step(&self.scales, &self.history, widest);
+        self.peaks = match &mut self.excursions {
+            Some(excursions) => excursions.step(&sample, widest),
+            None => self.search.step(&self.scales, &self.history, widest),
+        };
         let [mean, variance] = self.peaks;
         let level = self.design.level;
         if self.alarm.is_some() {
@@ -40,7 +43,11 @@ impl Sequential {
 
     /// By the statistic that is beyond the level.
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
-        let back = self.history.cycles(peak.width);
+        let back = match self.excursions {
+            // All samples count.
+            Some(_) => peak.width,
+            None => self.history.cycles(peak.width),
+        };
         let (fault, size, cycles) =
             match kind::appearance(&self.history, back, &self.design.parameters.kind) {
                 Some(Appearance::Noisy(size)) => (Fault::Noise, size, back),
@@ -57,8 +64,9 @@ impl Sequential {
         self.begin(Alarm { peak, back, ..Alarm::new(cause, fault, size, at.after(ago)) });
     }
 
-    pub(super) fn begin(&mut self, alarm: Alarm) {
+    pub(super) fn begin(&mut self, mut alarm: Alarm) {
         self.proportion.begin();
+        self.locate(&mut alarm);
         self.alarm = Some(alarm);
     }
 
@@ -92,6 +100,7 @@ impl Sequential {
         {
             self.look(&mut alarm);
         }
+        self.locate(&mut alarm);
         if alarm.age.is_multiple_of(self.cycles.scale_every) {
             let before = alarm.scale.is_some();
             alarm.scale = self.proportion.scale(before);
@@ -152,6 +161,10 @@ impl Sequential {
             _ if shape.advantage < clearly => return,
             _ => Form::Step,
         };
+        if self.excursions.is_some() {
+            // Whose it is was read at its onset.
+            return;
+        }
         let age = alarm.age as usize;
         let late = age > latest || alarm.back > located || shape.onset > age + located;
         // What was there when the evidence began, as a drift is that the baseline began with, is no step.
@@ -219,7 +232,7 @@ impl Sequential {
 }
 
 /// Blames whom the evidence is against, where it is enough: the log-likelihood of C1 less that of C2, nats.
-fn decide(alarm: &mut Alarm, by: Testimony, evidence: Option<f64>, enough: f64) {
+pub(super) fn decide(alarm: &mut Alarm, by: Testimony, evidence: Option<f64>, enough: f64) {
     alarm.evidence = evidence;
     alarm.suspect = match evidence {
         Some(nats) if nats > enough => Suspect::C1,

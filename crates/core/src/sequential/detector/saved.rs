@@ -9,6 +9,6 @@ state! {
         witness, skew, proportion, velocity, was_monitored, verdict, unknown, residual, peaks, alarm, dwelling,
         dwells, dwelt,
     }
-    parts { pair }
+    parts { excursions, pair }
     but { design, cycles, scales }
 }

@@ -36,6 +36,7 @@ fn with(resolution: [f64; 2], doubts: Vec<f64>) -> Sequential {
         rate: rate(|z| 0.5 * z * z),
         square_rate: rate(|z| if z > 1.0 { 0.5 * (z * z - 1.0 - (z * z).ln()) } else { 0.0 }),
         dependence: INDEPENDENT,
+        excursions: None,
         deviation: 1e-4,
         noise: Noise { rest: 1e-4, timing: 0.0 },
         resolution,

@@ -1,0 +1,37 @@
+//! Whose a displacement is that has outlasted healthy excursions: by its onset, which may be a second ago.
+
+use super::Sequential;
+use super::alarmed::decide;
+use crate::sequential::alarm::{Alarm, Cause};
+use crate::sequential::excursions::{AlarmWindow, find};
+use crate::verdict::{Fault, Suspect, Testimony};
+
+impl Sequential {
+    /// Compares the readings at the onset of `alarm` while it is new and suspects nobody.
+    pub(super) fn locate(&self, alarm: &mut Alarm) {
+        let (Some(limits), Some(pair)) = (&self.design.excursions, &self.pair) else { return };
+        let p = &self.design.parameters.onset;
+        let age = alarm.age as usize;
+        let [from_onset, from_alarm] = p.looked_at;
+        let is_over = age > from_alarm || (age > p.after && age + alarm.back > from_onset);
+        let is_new = alarm.cause == Cause::Mean && !is_over && !alarm.of_timing;
+        if !is_new || alarm.suspect != Suspect::Undecided || alarm.fault == Fault::Noise {
+            return;
+        }
+        let window = AlarmWindow {
+            width: alarm.back,
+            age,
+            longest: limits.longest.into(),
+            deviation: self.design.deviation,
+            sample_time: self.design.sample_time,
+            followed: self.design.parameters.pair.followed,
+        };
+        let newest = self.history.all.in_order();
+        let newest = &newest[..self.history.all.held()];
+        let evidence = find(newest, &window, p)
+            .and_then(|onset| pair.compare_at(&onset, newest, window.deviation, p));
+        if let Some(evidence) = evidence {
+            decide(alarm, Testimony::Innovations, Some(evidence), p.decided);
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Evidence on transducers that fluctuate.
+//!
+//! A healthy transducer may now and then be some counts off for a fraction of a second (thesis, Figure 5-9). C1 − C2 is then
+//! noise and the excursions of two renewal processes, one on each transducer. Samples within an excursion are alike, so
+//! that a window as long as one is worth hardly more than a sample ([`super::dependence`]). But a transducer is in one excursion
+//! at a time, and two at once are rare, and an excursion ends. How long C1 − C2 may stand off ([`runs`]) and how large its sums
+//! may become ([`sums`]) follows from the rate, the sizes and the lengths of the excursions that a recording has shown, by
+//! computation. What exceeds such a limit is a fault.
+
+mod onset;
+mod runs;
+mod sums;
+
+pub use onset::{AlarmWindow, Beginning, Onset, find, student};
+pub use runs::{BOXES, STRAYS};
+pub use sums::CLIPS;
+
+use super::samples::Sample;
+use super::statistic::{Peak, larger};
+use super::windows::WIDTHS;
+use crate::state::state;
+use runs::Runs;
+use sums::WindowSums;
+
+/// Limits of one cylinder, each of which a healthy one exceeds less often than wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExcursionLimits {
+    /// Evidence of a value that is at its limit, nats: that of the wanted rate.
+    pub level: f64,
+    /// Standard deviation of C1 − C2 at rest, outside of excursions, m.
+    pub rest: f64,
+    /// Longest excursion, samples.
+    pub longest: u16,
+    /// Lower and upper end of each box of |C1 − C2|, m.
+    pub boxes: [[f64; 2]; BOXES],
+    /// Samples in a row in each box, with 0, 1 and 2 strays; `None` where no run is too long.
+    pub runs: [[Option<u16>; STRAYS]; BOXES],
+    /// Values beyond which a sample counts no more, m, in ascending order.
+    pub clips: [f64; CLIPS],
+    /// Sums of the weighted, clipped residual, m, for each clip and each of [`WIDTHS`].
+    pub sums: [[f64; WIDTHS.len()]; CLIPS],
+    /// Sums of its square, clipped by the first clip, m².
+    pub squares: [f64; WIDTHS.len()],
+    /// Numbers of samples that are off, and elsewhere than the one before.
+    pub elsewhere: [f64; WIDTHS.len()],
+}
+
+/// From the lower end of one box to that of the next, m: a box is about four times as wide, so that a displacement is in three or four.
+const SPACING: f64 = 1.25e-4;
+
+impl ExcursionLimits {
+    /// The boxes of which the `first` begins at this difference, m, and that have this `width`, m; the last one has no upper end.
+    pub fn boxes(first: f64, width: f64) -> [[f64; 2]; BOXES] {
+        let low = |index: usize| first + SPACING * index as f64;
+        core::array::from_fn(|index| {
+            [low(index), if index + 1 == BOXES { f64::INFINITY } else { low(index) + width }]
+        })
+    }
+}
+
+/// Evidence of the newest samples, as a part of what is too much.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Filled {
+    /// 1 at the limit.
+    part: f64,
+    /// Samples that it is from.
+    width: usize,
+}
+
+impl Filled {
+    #[inline]
+    fn raise(&mut self, part: f64, width: usize) {
+        if part > self.part {
+            *self = Self { part, width };
+        }
+    }
+
+    const fn peak(self, level: f64) -> Peak {
+        Peak { nats: self.part * level, width: self.width }
+    }
+}
+
+/// The detector of what no healthy excursions explain.
+#[derive(Clone, Debug)]
+pub struct Excursions {
+    level: f64,
+    runs: Runs,
+    sums: WindowSums,
+}
+
+state! {
+    Excursions { runs, sums }
+    but { level }
+}
+
+/// Largest part of a sample's uncertainty that is no displacement in any limit, m: they have dead bands of 0.01 to 0.1 mm.
+const KNOWN: f64 = 3e-5;
+
+impl Excursions {
+    pub fn new(limits: &ExcursionLimits) -> Self {
+        Self { level: limits.level, runs: Runs::new(limits), sums: WindowSums::new(limits) }
+    }
+
+    /// Discards the evidence.
+    pub fn clear(&mut self) {
+        self.runs.clear();
+        self.sums.clear();
+    }
+
+    /// Takes a sample: the largest evidence of a displacement and of noise in windows of at most `widest` samples.
+    #[inline]
+    pub fn step(&mut self, sample: &Sample, widest: usize) -> [Peak; 2] {
+        let residual = known(sample);
+        let run = self.runs.step(residual);
+        let [sum, noise] = self.sums.step(residual * sample.share, widest);
+        [larger(run.peak(self.level), sum.peak(self.level)), noise.peak(self.level)]
+    }
+}
+
+/// The part of a residual that the uncertainty of its reference does not explain, m.
+#[inline]
+fn known(sample: &Sample) -> f64 {
+    let Sample { residual, doubt, .. } = *sample;
+    if doubt <= KNOWN * KNOWN {
+        return residual;
+    }
+    let doubt = libm::sqrt(doubt) - KNOWN;
+    if residual.abs() > doubt { residual - doubt.copysign(residual) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Limits of a cylinder with excursions of 0.44 mm and ten samples, in 6 of 10,000 samples and direction.
+    pub(super) fn limits() -> ExcursionLimits {
+        let run = |limits: [u16; STRAYS]| limits.map(Some);
+        let mut runs = [run([5, 5, 5]); BOXES];
+        runs[..6].copy_from_slice(&[
+            run([31, 41, 42]),
+            run([21, 28, 31]),
+            run([12, 14, 18]),
+            run([12, 13, 20]),
+            run([12, 12, 18]),
+            run([11, 11, 11]),
+        ]);
+        // Between the widths that are given the mean falls as a line.
+        let between = |given: &[(usize, f64)]| {
+            WIDTHS.map(|width| {
+                let after = given.iter().position(|(w, _)| *w >= width).expect("1024 is given");
+                let (w1, b1) = given[after];
+                let (w0, b0) = given[after.saturating_sub(1)];
+                let part = if w1 > w0 { (width - w0) as f64 / (w1 - w0) as f64 } else { 0.0 };
+                (b0 + part * (b1 - b0)) * 1e-3 * width as f64
+            })
+        };
+        let sums = [
+            [0.381, 0.324, 0.316, 0.306, 0.303, 0.216, 0.152, 0.122],
+            [0.736, 0.621, 0.610, 0.604, 0.593, 0.421, 0.235, 0.152],
+            [1.378, 1.256, 0.938, 0.802, 0.649, 0.430, 0.243, 0.157],
+        ]
+        .map(|means| {
+            let widths = [1, 4, 8, 12, 24, 64, 256, 1024];
+            let given: Vec<_> = widths.into_iter().zip(means).collect();
+            between(&given)
+        });
+        ExcursionLimits {
+            level: 23.0,
+            rest: 0.0838e-3,
+            longest: 11,
+            boxes: ExcursionLimits::boxes(0.287e-3, 0.503e-3),
+            runs,
+            clips: [0.277e-3, 0.608e-3, 1.25e-3],
+            sums,
+            squares: WIDTHS.map(|width| (0.3 + width as f64) * 0.07e-6),
+            elsewhere: WIDTHS.map(|width| 5.4 + 0.12 * width as f64),
+        }
+    }
+
+    #[test]
+    fn what_exceeds_a_limit_is_more_than_the_level() {
+        let limits = limits();
+        let excursions = Excursions::new(&limits);
+        let steps = |size: f64| {
+            let mut it = excursions.clone();
+            (0..200).position(|_| it.step(&Sample::at_rest(size), WIDTHS[19])[0].nats > 23.0)
+        };
+        // By runs, by sums of a few samples, and at once.
+        assert_eq!(
+            [0.4e-3, 0.5e-3, 1.0e-3, 1.5e-3].map(steps),
+            [Some(30), Some(20), Some(7), Some(4)]
+        );
+        let peaks = excursions.clone().step(&Sample::at_rest(0.0), WIDTHS[19]);
+        assert_eq!(peaks, [Peak::default(); 2]);
+    }
+
+    /// A place of which little is known may be off by so much.
+    #[test]
+    fn an_uncertain_reference_is_no_displacement() {
+        let limits = limits();
+        let doubtful = |residual: f64| Sample { residual, share: 1.0, doubt: 0.15e-3 * 0.15e-3 };
+        let largest = |residual: f64| {
+            let mut excursions = Excursions::new(&limits);
+            let nats = |_| excursions.step(&doubtful(residual), WIDTHS[19])[0].nats;
+            (0..1000).map(nats).fold(0.0, f64::max)
+        };
+        assert!(largest(0.11e-3) == 0.0 && largest(-0.11e-3) == 0.0);
+        assert!(largest(0.6e-3) > 23.0 && largest(-0.6e-3) > 23.0);
+    }
+}

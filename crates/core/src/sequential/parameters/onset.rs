@@ -1,0 +1,65 @@
+//! When C1 − C2 left its healthy level, and whose reading moved then.
+
+/// The numbers of [`crate::sequential::excursions::Onset`] and of the comparison at it
+/// ([`crate::sequential::pair::Pair::compare_at`]). Deviations are those of C1 − C2 outside of excursions. All but the times are
+/// counts of samples at every rate: a step is told from noise by samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnsetParameters {
+    /// Samples that the size is the median of: half of the alarm's window, within these bounds, …
+    pub sized: [usize; 2],
+    /// … up to so many after the alarm.
+    pub after: usize,
+    /// Samples before the alarm's window in which the onset may lie.
+    pub before: usize,
+    /// Smallest displacement that anybody is named for, m; 1e-4 to 2e-4. Healthy references are as far off.
+    pub least: f64,
+    /// A displacement of at least so many deviations may be a ramp, whose begin can be seen.
+    pub large: f64,
+    /// Two samples in a row within so many deviations are before the departure, …
+    pub departed: f64,
+    /// … from which a ramp does not fall by more than so many …
+    pub fallen: f64,
+    /// … and of which the first three are on the average below this part of the displacement.
+    pub begun: f64,
+    /// Two samples in a row beyond so many deviations before the onset are another excursion, whose end blames the other transducer.
+    pub another: f64,
+    /// Three samples after the onset of a step are farther than three before it by more than this part of its size; 0.5 to 0.8. Without
+    /// an edge a drift of 1 mm/s was named wrong in 7 of 100 cases.
+    pub edge: f64,
+    /// Samples by which the onset may be earlier or later.
+    pub around: usize,
+    /// Samples from the onset that tell: then the filter has followed.
+    pub telling: usize,
+    /// Samples before the onset that show how much the command's prediction errs now: bursts of the model widen it.
+    pub errors: usize,
+    /// Degrees of freedom of its errors; 4 to 15.
+    pub freedom: f64,
+    /// Evidence by the measured course that a step takes beside its own, nats.
+    pub agreeing: f64,
+    /// Evidence that names, nats; 4 to 8. At e⁵ to one fewer than one in a hundred is wrong.
+    pub decided: f64,
+    /// Samples from the onset, and from the alarm, in which it is looked at again and again.
+    pub looked_at: [usize; 2],
+}
+
+impl OnsetParameters {
+    pub const DEFAULT: Self = Self {
+        sized: [4, 24],
+        after: 4,
+        before: 12,
+        least: 1.5e-4,
+        large: 8.0,
+        departed: 2.5,
+        fallen: 3.0,
+        begun: 0.55,
+        another: 4.0,
+        edge: 0.6,
+        around: 3,
+        telling: 16,
+        errors: 48,
+        freedom: 8.0,
+        agreeing: 1.5,
+        decided: 5.0,
+        looked_at: [10, 25],
+    };
+}
