@@ -33,7 +33,7 @@ pub struct Watched<'a> {
 }
 
 /// Shapes by name, and how long each is watched, s.
-fn kinds(coarse: bool) -> [(&'static str, Shape, f64); 6] {
+fn kinds(coarse: bool) -> [(&'static str, Shape, f64); 7] {
     let step = |size: f64| Shape::Step { size };
     let smallest = if coarse {
         ("step 0.75 mm", step(7.5e-4), 10.0)
@@ -44,6 +44,7 @@ fn kinds(coarse: bool) -> [(&'static str, Shape, f64); 6] {
         smallest,
         ("step 0.5 mm", step(5e-4), 10.0),
         ("step 1 mm", step(1e-3), 10.0),
+        ("step 1.25 mm", step(1.25e-3), 10.0),
         ("noise 0.87 mm", Shape::Noise { size: 8.68e-4 }, 5.0),
         ("drift 0.1 mm/s", Shape::Drift { rate: 1e-4 }, 12.0),
         ("drift 0.01 mm/s", Shape::Drift { rate: 1e-5 }, 60.0),

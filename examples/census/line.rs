@@ -1,6 +1,6 @@
 //! The record of one commissioning.
 
-use crate::plan::{Mishap, Spoilt};
+use crate::plan::{Mishap, Spoilt, Transducers};
 use serde::{Deserialize, Serialize};
 
 /// A line of the census.
@@ -9,7 +9,7 @@ pub struct Line {
     pub number: usize,
     pub seed: u64,
     pub machine: usize,
-    pub coarse: bool,
+    pub transducers: Transducers,
     pub length_s: f64,
     pub pair: usize,
     pub calm_first: bool,

@@ -1,6 +1,6 @@
 //! Machines: the harsh one of config/e-type-harsh-plant.toml, varied by a seeded draw.
 
-use crate::plan::{Mishap, Task};
+use crate::plan::{Mishap, Task, Transducers};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
@@ -36,8 +36,14 @@ pub fn draw(harsh: &Tables, task: &Task) -> Tables {
     times(&mut tables.cylinder.load_mass, 0.7, 1.2);
     times(&mut tables.gangway.load, 0.5, 1.2);
     times(&mut tables.gangway.period, 0.7, 2.0);
-    // Readings that stand off for a while are what the sequential detectors find.
-    tables.transducer.fluctuation_probability = 0.0;
+    match task.transducers() {
+        Transducers::Fluctuating | Transducers::Coarse => {}
+        Transducers::Uneven => {
+            tables.transducer.fluctuation_spread = 0.5;
+            tables.transducer.fluctuation_time_spread = 0.9;
+        }
+        Transducers::Steady => tables.transducer.fluctuation_probability = 0.0,
+    }
     errors(&mut tables.c1, &mut rng);
     errors(&mut tables.c2, &mut rng);
     let grade = if task.is_coarse() { Grade::Coarse } else { Grade::Fine };

@@ -179,7 +179,7 @@ fn line(task: &Task, result: &Commissioned) -> Line {
         number: task.number,
         seed: task.seed,
         machine: task.machine,
-        coarse: task.is_coarse(),
+        transducers: task.transducers(),
         length_s: task.length,
         pair: task.pair,
         calm_first: task.calm_first,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Number of machines, half of them fine and half coarse.
+/// Number of machines, half of them fine, of which two thirds fluctuate, and half coarse.
 pub const MACHINES: usize = 24;
 
 /// Lengths of the recordings, s.
@@ -14,6 +14,30 @@ const ONE_FAULTY_FOR: usize = 8;
 /// One machine of this many in a grade has a configuration which states that its bus has no spikes,
 /// which is true of it.
 const FREE_OF: usize = 4;
+
+/// What the transducers of a machine are like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Transducers {
+    /// Fine, and now and then four counts off for 0.2 s, as Figure 5-9 has it.
+    Fluctuating,
+    /// The same by two to six counts, for 0.02 to 0.38 s.
+    Uneven,
+    /// Fine, and never off.
+    Steady,
+    Coarse,
+}
+
+impl Transducers {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fluctuating => "fluctuating",
+            Self::Uneven => "fluctuating unevenly",
+            Self::Steady => "steady",
+            Self::Coarse => "coarse",
+        }
+    }
+}
 
 /// A mishap in a recording that is no fault of a transducer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -78,8 +102,17 @@ pub struct Task {
 
 impl Task {
     /// Every other machine has coarse transducers.
-    pub const fn is_coarse(&self) -> bool {
-        self.machine % 2 == 1
+    pub const fn transducers(&self) -> Transducers {
+        match (self.machine % 2, self.machine / 2 % 3) {
+            (1, _) => Transducers::Coarse,
+            (_, 0) => Transducers::Fluctuating,
+            (_, 1) => Transducers::Uneven,
+            _ => Transducers::Steady,
+        }
+    }
+
+    pub fn is_coarse(&self) -> bool {
+        self.transducers() == Transducers::Coarse
     }
 }
 

@@ -30,6 +30,7 @@ fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
     let studies = vec![Study::Estimate];
     let lessons = Lessons { calibration: 0.0, level: 0.0 };
     let extent = Extent {
+        taught: None,
         process_hours: 0.0,
         side_hours: 0.0,
         hexapod_hours: 0.0,

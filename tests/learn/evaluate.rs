@@ -63,7 +63,7 @@ fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
         hexapod_hours: 0.0,
         last_hours: 0.0,
         cylinders: 6,
-        sequential: false,
+        taught: None,
         lag: 0.06,
         trials,
         hours,

@@ -56,9 +56,9 @@ pub struct Extent {
     pub last_hours: f64,
     /// Number of cylinders that are monitored; every one of a machine has its fault.
     pub cylinders: u8,
-    /// Whether the monitor has sequential detectors. They judge once they have a baseline, and take what half of the cylinders
-    /// show at once for something shared, so that fewer have a fault, and later.
-    pub sequential: bool,
+    /// Transducers that the monitor's sequential detectors were taught; `None` where it has none. They judge once they have a baseline,
+    /// and take what half of the cylinders show at once for something shared, so that fewer have a fault, and later.
+    pub taught: Option<Grade>,
     /// Time constant of the spools of the plant, s, for the studies that try another one, too.
     pub lag: f64,
 }
@@ -172,8 +172,9 @@ impl Plan {
             }
         }
         let in_seas = |grade| extent.seas.iter().map(move |sea| Cell { grade, sea: *sea });
-        let cells: Vec<Cell> = Grade::ALL.into_iter().flat_map(in_seas).collect();
-        let mut rows = rows(&cells);
+        let grades = Grade::ALL.into_iter().filter(|it| extent.taught.is_none_or(|own| own == *it));
+        let cells: Vec<Cell> = grades.flat_map(in_seas).collect();
+        let mut rows = rows(&cells, extent.taught.is_some());
         rows.retain(|row| extent.studies.contains(&row.study));
         let asked = |study: Study| extent.studies.contains(&study);
         let contest = asked(Study::Contest).then(|| Contest::new(seed, &extent));
@@ -223,7 +224,11 @@ impl Plan {
 
     /// Number of machines of a row on which all cylinders together have their faults.
     fn turns(&self) -> u32 {
-        if self.extent.sequential { contest::TURNS.min(self.extent.cylinders.into()) } else { 1 }
+        if self.extent.taught.is_some() {
+            contest::TURNS.min(self.extent.cylinders.into())
+        } else {
+            1
+        }
     }
 
     /// The number of healthy machines of a cell.
@@ -275,7 +280,7 @@ impl Plan {
                 let row = &self.rows[row];
                 let mut rng = self.random(row.stream * NUMBERS + u64::from(number));
                 let settle = stand.settings.observer.settle;
-                let begin = settle + if self.extent.sequential { BASELINE } else { 0.0 };
+                let begin = settle + if self.extent.taught.is_some() { BASELINE } else { 0.0 };
                 let mut one = Try::draw(row, number, self.extent.cylinders, begin, &mut rng);
                 if !row.is_alone() {
                     let turns = self.turns();

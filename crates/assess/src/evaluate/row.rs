@@ -114,6 +114,9 @@ const WATCH: f64 = 10.0;
 /// Steps (5-15), (5-16), m.
 const STEPS: [f64; 10] = [1e-3, 1.25e-3, 1.5e-3, 1.75e-3, 2e-3, 2.5e-3, 5e-3, 0.01, 0.025, 0.05];
 
+/// Steps below those of the thesis, m.
+const SMALL_STEPS: [f64; 3] = [2.5e-4, 5e-4, 7.5e-4];
+
 /// Incipient faults of section 5-4-4, φ in m and b: the thesis's first, then slower ones that end
 /// at the same size.
 const INCIPIENT: [(f64, f64); 4] = [(0.07, 1.0), (0.07, 0.3), (0.07, 0.1), (0.035, 1.0)];
@@ -125,14 +128,19 @@ const DRIFTS: [(f64, f64); 5] =
 /// Gain errors, as parts of the reading.
 const GAINS: [f64; 4] = [1e-3, 2e-3, 5e-3, 1e-2];
 
-/// The rows of all studies, in each of `cells`; the loop is studied in the first of them.
-pub fn rows(cells: &[Cell]) -> Vec<Row> {
+/// The rows of all studies, in each of `cells`; the loop is studied in the first of them. Smaller steps are tried where sequential
+/// detectors were `taught`.
+pub fn rows(cells: &[Cell], taught: bool) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     for (index, cell) in (0_u64..).zip(cells) {
         let open = Row::open(Study::Step, *cell, None);
         let first = rows.len();
         rows.extend(thesis(open));
         rows.extend(others(open));
+        rows.extend(SMALL_STEPS.into_iter().filter(|_| taught).map(|size| {
+            let wanted = Some(Wanted::Shape(Shape::Step { size }));
+            Row { study: Study::Step, wanted, ..open }
+        }));
         for (number, row) in (0_u64..).zip(&mut rows[first..]) {
             row.stream = (index << 16) + number;
         }

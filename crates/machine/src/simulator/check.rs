@@ -187,6 +187,8 @@ fn transducers(tables: &Tables) -> Result<(), TableError> {
         ("transducer.fluctuation", it.fluctuation, [0.0, 1.0]),
         ("transducer.fluctuation_probability", it.fluctuation_probability, [0.0, 1.0]),
         ("transducer.fluctuation_time", it.fluctuation_time, [0.0, MUCH]),
+        ("transducer.fluctuation_spread", it.fluctuation_spread, [0.0, 1.0]),
+        ("transducer.fluctuation_time_spread", it.fluctuation_time_spread, [0.0, 1.0]),
         ("transducer.speed_noise", it.speed_noise, [0.0, 10.0]),
         ("transducer.speed_lag", it.speed_lag, [0.0, 10.0]),
         ("transducer.counts", it.counts, [2.0, MUCH]),

@@ -21,6 +21,12 @@ pub struct Common {
     pub fluctuation_probability: f64,
     /// Duration of a fluctuation, s.
     pub fluctuation_time: f64,
+    /// Part by which the offset of one fluctuation is larger or smaller, equally likely; default 0.
+    #[serde(default)]
+    pub fluctuation_spread: f64,
+    /// The same of its duration; default 0.
+    #[serde(default)]
+    pub fluctuation_time_spread: f64,
     /// Standard deviation of a speed, m/s.
     pub speed_noise: f64,
     /// Time constant with which a speed lags, as by a filter of the first order, s; default 0.
@@ -138,6 +144,11 @@ pub struct Transducer {
     followed: Option<f64>,
 }
 
+/// A factor that is larger or smaller than one by at most this `part`; without one nothing is drawn.
+fn spread(part: f64, rng: &mut ChaCha8Rng) -> f64 {
+    if part > 0.0 { 1.0 + part * rng.random_range(-1.0..=1.0) } else { 1.0 }
+}
+
 /// Reading of a transducer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
@@ -206,8 +217,12 @@ impl Transducer {
         }
         if rng.random::<f64>() < self.common.fluctuation_probability {
             let up = rng.random::<bool>();
-            self.shift = if up { self.common.fluctuation } else { -self.common.fluctuation };
-            self.left = self.lasting - 1;
+            let Common { fluctuation, fluctuation_spread, fluctuation_time_spread, .. } =
+                self.common;
+            let size = fluctuation * spread(fluctuation_spread, rng);
+            self.shift = if up { size } else { -size };
+            let lasting = f64::from(self.lasting) * spread(fluctuation_time_spread, rng);
+            self.left = (lasting.round() as u32).saturating_sub(1);
             return self.shift;
         }
         0.0

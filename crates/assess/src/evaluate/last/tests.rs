@@ -21,7 +21,7 @@ fn study(asked: Study, faults: &[Option<Wanted>]) -> LastStudy {
         hexapod_hours: 0.0,
         last_hours: 0.1,
         cylinders: 6,
-        sequential: false,
+        taught: None,
         lag: 0.06,
     };
     LastStudy { faults: faults.to_vec(), ..LastStudy::new(7, &extent) }

@@ -3,7 +3,7 @@
 use super::Sequential;
 use super::alarmed::decide;
 use crate::sequential::alarm::{Alarm, Cause};
-use crate::sequential::excursions::{AlarmWindow, find};
+use crate::sequential::excursions::{AlarmWindow, Beginning, find};
 use crate::verdict::{Fault, Suspect, Testimony};
 
 impl Sequential {
@@ -28,10 +28,13 @@ impl Sequential {
         };
         let newest = self.history.all.in_order();
         let newest = &newest[..self.history.all.held()];
-        let evidence = find(newest, &window, p)
-            .and_then(|onset| pair.compare_at(&onset, newest, window.deviation, p));
-        if let Some(evidence) = evidence {
-            decide(alarm, Testimony::Innovations, Some(evidence), p.decided);
+        let Some(onset) = find(newest, &window, p) else { return };
+        let enough = match onset.beginning {
+            Beginning::Step => p.decided,
+            Beginning::Ramp => p.decided_of_a_ramp,
+        };
+        if let Some(evidence) = pair.compare_at(&onset, newest, window.deviation, p) {
+            decide(alarm, Testimony::Innovations, Some(evidence), enough);
         }
     }
 }
