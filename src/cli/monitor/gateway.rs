@@ -1,6 +1,6 @@
 //! A running gateway, over the HTTP of its page.
 
-use super::news::{News, NewsSource, WatchedMachine};
+use super::news::{News, NewsSource, WatchedMachine, told};
 use super::picture::MINUTES;
 use super::stream::EventLines;
 use super::trust::{self, Trust};
@@ -146,7 +146,7 @@ impl GatewaySource {
     async fn machine(&self) -> Result<WatchedMachine, String> {
         let path = "/api/machine";
         let answer = self.answer(path).await?;
-        serde_json::from_slice(&answer).map_err(|error| unreadable(path, &error))
+        told(&answer).map_err(|error| unreadable(path, &error))
     }
 
     /// The whole answer to a request.
