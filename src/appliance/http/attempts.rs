@@ -1,13 +1,13 @@
 //! Who tries tokens: how often, and how long an address has to wait until it may try again.
 
 use super::Shared;
-use super::connections::Connection;
+use super::connections::{Connection, network};
 use crate::report::counted;
 use axum::http::header::RETRY_AFTER;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use std::collections::VecDeque;
-use std::net::{IpAddr, Ipv6Addr};
+use std::net::IpAddr;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tracing::warn;
@@ -133,17 +133,6 @@ impl Attempts {
     fn succeed(&self, from: IpAddr) {
         let mut failures = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         failures.of.retain(|it| it.from != network(from));
-    }
-}
-
-/// The address that counts: of IPv6 the network, of which one computer has all addresses.
-fn network(from: IpAddr) -> IpAddr {
-    match from.to_canonical() {
-        IpAddr::V6(it) => {
-            let [a, b, c, d, ..] = it.segments();
-            Ipv6Addr::new(a, b, c, d, 0, 0, 0, 0).into()
-        }
-        other => other,
     }
 }
 
