@@ -5,7 +5,9 @@ use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::path::Path;
 use std::time::Duration;
-use tertius_testing::process::{Running, configuration, excerpt, wait_for, write};
+use tertius::appliance::flight::MOST_BYTES;
+use tertius::appliance::http::{AT_REST, MEMORY};
+use tertius_testing::process::{Running, configuration, excerpt, top, wait_for, write};
 
 /// Memory of the process that no file backs, kB.
 fn memory(process: &Running) -> usize {
@@ -111,7 +113,8 @@ fn clients_of_every_kind_that_read_nothing_cost_little() {
         "",
     ];
     let mut held: Vec<TcpStream> = Vec::new();
-    let mut most = 0;
+    let mut most = memory(&gateway);
+    assert!(most * 1024 < AT_REST, "{most} kB at rest");
     for n in 0..64_u8 {
         held.push(unread(address, 2 + n % 7, kinds[usize::from(n) % kinds.len()]));
         most = most.max(memory(&gateway));
@@ -121,8 +124,49 @@ fn clients_of_every_kind_that_read_nothing_cost_little() {
         assert_eq!(code, 200, "after {most} kB: {text}");
         most = most.max(memory(&gateway));
     }
-    // The unit has MemoryMax=64M.
-    assert!(most < 56_000, "{most} kB");
+    assert!(most * 1024 < MEMORY - MOST_BYTES, "{most} kB, without much in the recorder's ring");
+    let judged = || {
+        let metrics = ask(address, "/metrics").1;
+        let line = metrics.lines().find_map(|line| line.strip_prefix("tertius_cycles_total "));
+        line.and_then(|count| count.trim().parse::<u64>().ok()).expect("it counts")
+    };
+    let before = judged();
+    wait_for("more cycles", || judged() > before + 20);
+}
+
+#[test]
+fn what_readers_can_hold_fits_into_the_memory_of_the_unit() {
+    let unit = fs::read_to_string(top().join("config/systemd/tertius.service")).expect("it ships");
+    let most = unit.lines().find_map(|line| line.strip_prefix("MemoryMax=")?.strip_suffix('M'));
+    let most: usize = most.expect("it has one").parse().expect("a number of MiB");
+    assert!(MEMORY < most << 20, "{MEMORY} of {most} MiB");
+}
+
+/// People write notes of two kilobytes: a page of them is shorter, and its next one follows.
+#[test]
+fn a_page_of_long_texts_is_bounded_and_loses_none() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (_gateway, address) = stage(folder.path());
+    let mut store = rusqlite::Connection::open(folder.path().join("kept.events")).expect("there");
+    store.busy_timeout(Duration::from_secs(10)).expect("a time");
+    let step = store.transaction().expect("it is free");
+    let row = "INSERT INTO events (at_ns, run, kind, text) VALUES (20000, 1, 'bus_lost', ?)";
+    (0..400).for_each(|n| _ = step.execute(row, [format!("{n} {}", "\u{e4}".repeat(1000))]));
+    step.commit().expect("there is room");
+    let (mut before, mut found) = (String::new(), 0);
+    while found < 400 {
+        let (code, text) = ask(address, &format!("/api/events?limit=500{before}"));
+        assert!(code == 200 && text.len() < 512 * 1024, "{code}, {} bytes", text.len());
+        let body = text.split("\r\n\r\n").nth(1).expect("a body");
+        let page: serde_json::Value = serde_json::from_str(body).expect("JSON");
+        let entries = page["entries"].as_array().expect("a list");
+        found += entries
+            .iter()
+            .filter(|it| it["text"].as_str().is_some_and(|it| it.len() > 2000))
+            .count();
+        before = format!("&before={}", page["next"]);
+    }
+    assert_eq!(found, 400);
 }
 
 #[test]

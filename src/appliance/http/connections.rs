@@ -9,8 +9,10 @@ use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
+use nix::sys::socket::{setsockopt, sockopt};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
+use std::io;
 use std::net::{IpAddr, Ipv6Addr};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
@@ -19,6 +21,7 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::ServerConnection;
 
 /// Most connections at once, those of streams apart; the oldest one gives way. An honest one lasts for milliseconds.
 pub(super) const CONNECTIONS: usize = 16;
@@ -42,6 +45,14 @@ const PIECE_LIMIT: Duration = Duration::from_secs(20);
 /// Most bytes of request line and headers together; the least that the parser works with.
 pub(super) const HEAD_SIZE: usize = 8192;
 const HEADERS: usize = 64;
+
+/// What the kernel keeps of what is sent and of what has come on a connection, bytes; it takes twice as much. By itself
+/// it would let whoever reads nothing have megabytes.
+pub(super) const SEND_BUFFER: usize = 32 * 1024;
+pub(super) const RECEIVE_BUFFER: usize = 16 * 1024;
+
+/// What is encrypted and not sent yet, bytes.
+pub(super) const ENCRYPTED: usize = 16 * 1024;
 
 /// Pause after a connection that could not be accepted, for example for lack of file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -127,6 +138,16 @@ impl Connection {
 /// The identity of the server, which a reload may change; `None`: it does not encrypt.
 pub(super) type Identities = Arc<RwLock<Option<Identity>>>;
 
+/// Bounds what the kernel keeps of each connection that `listener` will accept.
+///
+/// # Errors
+/// The kernel refuses it.
+pub(super) fn bound(listener: &std::net::TcpListener) -> io::Result<()> {
+    setsockopt(listener, sockopt::SndBuf, &SEND_BUFFER)?;
+    setsockopt(listener, sockopt::RcvBuf, &RECEIVE_BUFFER)?;
+    Ok(())
+}
+
 /// Accepts connections until the task is dropped.
 pub(super) async fn accept(listener: TcpListener, router: Router, identities: Identities) {
     let mut connections: VecDeque<Arc<Connection>> = VecDeque::with_capacity(CONNECTIONS);
@@ -190,7 +211,8 @@ async fn answer(
     connection: Arc<Connection>,
 ) {
     let Some(identity) = identity else { return serve(stream, router, connection).await };
-    let handshake = TlsAcceptor::from(identity.config).accept(stream);
+    let bounded = |session: &mut ServerConnection| session.set_buffer_limit(Some(ENCRYPTED));
+    let handshake = TlsAcceptor::from(identity.config).accept_with(stream, bounded);
     if let Ok(Ok(stream)) = tokio::time::timeout(HANDSHAKE_LIMIT, handshake).await {
         connection.encrypted.store(true, Ordering::Relaxed);
         serve(stream, router, connection).await;
@@ -240,6 +262,7 @@ async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nix::sys::socket::getsockopt;
 
     #[test]
     fn idle_connections_and_those_of_the_greedy_give_way_and_downloads_never() {
@@ -266,6 +289,18 @@ mod tests {
         }
         all.resize_with(CONNECTIONS, more);
         assert_eq!(gives_way(&all, newest), None, "a download stays");
+    }
+
+    #[test]
+    fn the_kernel_keeps_little_of_a_connection() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+        bound(&listener).expect("it may be less");
+        let address = listener.local_addr().expect("it has one");
+        let _client = std::net::TcpStream::connect(address).expect("it listens");
+        let (accepted, _) = listener.accept().expect("there is one");
+        let sent = getsockopt(&accepted, sockopt::SndBuf).expect("it has one");
+        let come = getsockopt(&accepted, sockopt::RcvBuf).expect("it has one");
+        assert_eq!((sent, come), (2 * SEND_BUFFER, 2 * RECEIVE_BUFFER));
     }
 
     #[test]
