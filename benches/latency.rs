@@ -13,6 +13,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use tertius::alarm::OwnFrame;
 use tertius::appliance::flight::FlightPlan;
 use tertius::appliance::history::Kept;
+use tertius::appliance::http::DeskPlan;
 use tertius::appliance::mqtt::MqttPlan;
 use tertius::appliance::realtime;
 use tertius::appliance::store::StorePlan;
@@ -213,6 +214,11 @@ fn main() {
     let settings = &loaded.settings;
     let site = SitePlan {
         listen: settings.http.address(),
+        desk: DeskPlan {
+            token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
+            recordings: keeping.flight.as_ref().map(|flight| flight.folder.clone()),
+            ..DeskPlan::default()
+        },
         modbus: settings.modbus.address(),
         opcua: settings.opcua.address(),
         mqtt: publishing(&loaded),

@@ -2,8 +2,10 @@
 
 use super::Failure;
 use super::machine::Machine;
+use super::monitor::GatewaySource;
 use super::overriding::SetOptions;
-use crate::appliance::doctor::facts::{Message, Wanted};
+use super::run;
+use crate::appliance::doctor::facts::{Logins, Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
 use crate::appliance::flight::FlightPlan;
@@ -13,6 +15,7 @@ use clap::{Args, ValueEnum};
 use console::style;
 use serde::Serialize;
 use std::io::Write;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -69,7 +72,10 @@ impl Doctor {
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let wanted = wanted(&machine, &self.config);
-        let facts = gather(wanted, machine.loaded.settings.http.address(), self.listen);
+        let mut facts = gather(wanted, machine.loaded.settings.http.address(), self.listen);
+        if facts.host.rights.gateway.is_some() {
+            facts.host.logins = logins(&machine, &self.config);
+        }
         let findings = examine(&facts);
         let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
         let (warned, failed) = (count(Verdict::Warn), count(Verdict::Fail));
@@ -135,6 +141,25 @@ fn messages(machine: &Machine, bus: BusNumber) -> Vec<Message> {
         }
     });
     messages.collect()
+}
+
+/// What was tried at the login of the gateway of `machine`, or why it does not tell; `None` if nobody knows where to ask.
+fn logins(machine: &Machine, config: &Path) -> Option<Result<Logins, String>> {
+    let address = machine.loaded.settings.http.address().filter(|address| address.port() > 0)?;
+    let host = match address.ip() {
+        IpAddr::V4(it) if it.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(it) if it.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
+        other => other,
+    };
+    let certificate = run::tls_files(config, machine).map(|files| files.certificate);
+    let scheme = if certificate.is_some() { "https" } else { "http" };
+    let url = format!("{scheme}://{}", SocketAddr::new(host, address.port()));
+    let source = GatewaySource::new(&url, certificate.as_deref(), None);
+    let metrics = source.map_err(|error| error.to_string()).and_then(|it| it.text("/metrics"));
+    let logins = metrics.and_then(|text| {
+        Logins::read(&text).ok_or_else(|| "it is of a version that does not count them".to_owned())
+    });
+    Some(logins.map_err(|reason| format!("{url}: {reason}")))
 }
 
 /// What the gateway of `machine` keeps, and where.

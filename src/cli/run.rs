@@ -170,7 +170,7 @@ pub fn not_built(settings: &Settings) -> Option<String> {
 }
 
 /// Certificate and key of the page, relative to the configuration `path`.
-fn tls_files(path: &Path, machine: &Machine) -> Option<TlsFiles> {
+pub fn tls_files(path: &Path, machine: &Machine) -> Option<TlsFiles> {
     let http = &machine.loaded.settings.http;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (certificate, key) = http.certificate.as_ref().zip(http.key.as_ref())?;

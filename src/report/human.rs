@@ -1,7 +1,7 @@
 //! The page for people after a replay.
 
 use super::{Summary, Zone, verdict, wording};
-use crate::config::MachineNames;
+use crate::config::{MachineNames, visible_lines};
 use crate::incident::Incident;
 use crate::monitor::Notice;
 use comfy_table::{
@@ -62,13 +62,14 @@ pub struct Heading<'a> {
     pub colour: bool,
 }
 
-/// The page as text.
+/// The page as text. Whatever others may have written is escaped before colours are added: names of files, interfaces
+/// and the platform's states.
 pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> String {
     let mut page = String::new();
     // Writing to a string cannot fail.
     let (inputs, machine, config) = (heading.inputs, heading.machine, heading.config);
     _ = writeln!(page, "{inputs}  with {machine} ({config}: {})\n", summary.judged_by());
-    let headline = summary.judgement.headline();
+    let headline = visible_lines(&summary.judgement.headline()).into_owned();
     if !headline.is_empty() {
         let red = || style(&headline).red().force_styling(true).to_string();
         let headline = if heading.colour { red() } else { headline.clone() };
@@ -78,17 +79,17 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
         _ = writeln!(page, "{}", textwrap::fill(&line, WIDTH));
     }
     for remark in summary.remarks {
-        let remark = textwrap::fill(&format!("Look at {remark}."), WIDTH);
+        let remark = textwrap::fill(&visible_lines(&format!("Look at {remark}.")), WIDTH);
         let yellow = || style(&remark).yellow().force_styling(true).to_string();
         _ = writeln!(page, "\n{}", if heading.colour { yellow() } else { remark.clone() });
     }
     page += &incidents(heading, summary);
-    _ = writeln!(page, "\n{}", overview(summary).trim_end());
+    _ = writeln!(page, "\n{}", visible_lines(overview(summary).trim_end()));
     _ = writeln!(page, "{}\n", textwrap::fill(&wording::warnings(summary), WIDTH));
     page += &cylinders(heading, summary);
     page += &on_the_stops(heading, summary);
     page += &what_was_noticed(heading, summary, notices);
-    page += &what_was_bad(summary);
+    page += &visible_lines(&what_was_bad(summary));
     page
 }
 

@@ -8,7 +8,7 @@ use super::notice::NoticeFields;
 use super::stops::TrendLine;
 use super::{IdentityFields, Summary};
 use crate::alarm::{Detector, Warning};
-use crate::config::{CylinderNames, MachineNames};
+use crate::config::{CylinderNames, MachineNames, visible};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
 use crate::process::ProcessCoverage;
@@ -329,6 +329,8 @@ pub const fn restart_name(reason: Restart) -> &'static str {
 }
 
 fn write_line(out: &mut impl Write, line: &impl Serialize) -> io::Result<()> {
-    serde_json::to_writer(&mut *out, line)?;
+    // It may go to a terminal, and JSON leaves C1 controls and what turns the direction of writing as they are.
+    let line = serde_json::to_string(line)?;
+    out.write_all(visible(&line).as_bytes())?;
     out.write_all(b"\n")
 }

@@ -7,7 +7,7 @@ use facts::{hear, machine, set, sound};
 use serde_json::Value;
 use std::fs;
 use std::net::TcpListener;
-use tertius::appliance::doctor::facts::{Bus, Facts, InterfaceFacts};
+use tertius::appliance::doctor::facts::{Bus, Facts, InterfaceFacts, Logins};
 use tertius::appliance::doctor::{Finding, Verdict, examine};
 use tertius::bus::Stamps;
 use tertius::bus::socket::ControllerState;
@@ -383,6 +383,17 @@ fn doctor(config: &str, options: &[&str]) -> support::Run {
     let mut arguments = vec!["doctor", "--config", config];
     arguments.extend(options);
     tertius(&arguments, b"")
+}
+
+#[test]
+fn wrong_tokens_are_worth_a_look_where_they_led_to_a_lockout() {
+    let tried = |logins| set(|facts| facts.host.logins = Some(logins));
+    let of = |failures, lockouts| tried(Ok(Logins { failures, lockouts }));
+    judged(&of(0, 0), "logins", Verdict::Ok, &["0 wrong tokens since the gateway started"]);
+    judged(&of(7, 0), "logins", Verdict::Ok, &["7 wrong tokens", "no lockout"]);
+    judged(&of(31, 2), "logins", Verdict::Warn, &["31 wrong tokens", "2 lockouts", "journalctl"]);
+    let silent = tried(Err("http://127.0.0.1:9481: it did not answer within 3 s".to_owned()));
+    judged(&silent, "logins", Verdict::Warn, &["it did not answer within 3 s"]);
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod flight_recorder;
 mod imitation;
 mod inject_proxy;
 mod live_gateway;
+mod logins;
 mod metrics;
 mod metrics_command;
 mod metrics_support;

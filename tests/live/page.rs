@@ -1,5 +1,6 @@
 //! What the page is served: what the gateway knows, to those who may have it, and to nobody at the others' cost.
 
+use crate::downloads::connect;
 use crate::metrics_support::{Answer, Bench, ask};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
@@ -46,8 +47,9 @@ struct Watcher {
 }
 
 impl Watcher {
-    fn new(bench: &Bench) -> Self {
-        let mut stream = TcpStream::connect(bench.server.address()).expect("it listens");
+    /// The client `n`, who watches from an address of its own.
+    fn new(bench: &Bench, n: u8) -> Self {
+        let mut stream = connect(bench.server.address(), n, 1 << 20);
         stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a time limit");
         stream.write_all(b"GET /api/stream HTTP/1.1\r\nHost: localhost\r\n\r\n").expect("it reads");
         let mut watcher = Self { answer: BufReader::new(stream), status: String::new() };
@@ -265,7 +267,7 @@ fn beyond_this_computer_only_machines_are_answered() {
 #[test]
 fn those_who_watch_are_told_what_is_new() {
     let bench = bench();
-    let mut watcher = Watcher::new(&bench);
+    let mut watcher = Watcher::new(&bench, 1);
     let overview = watcher.event("overview");
     assert_eq!(overview["cylinders"].as_array().map(Vec::len), Some(6));
     assert_eq!(overview["cylinders"][1]["transducers"][0]["lamp"], "failure");
@@ -294,15 +296,17 @@ fn those_who_watch_are_told_what_is_new() {
 #[test]
 fn who_watches_and_does_not_read_costs_nobody_anything() {
     let bench = bench();
-    let idle: Vec<Watcher> = (0..10).map(|_| Watcher::new(&bench)).collect();
-    let mut reading: Vec<Watcher> = (0..40).map(|_| Watcher::new(&bench)).collect();
+    // One address may have half of the places.
+    let watcher = |n: u8| Watcher::new(&bench, 1 + n % 2);
+    let idle: Vec<Watcher> = (0..10).map(watcher).collect();
+    let mut reading: Vec<Watcher> = (0..40).map(watcher).collect();
     for watcher in &mut reading {
         watcher.event("overview");
     }
     assert_eq!(bench.ask("/health").code, 200);
     // As many as there may be, and one more.
-    let more: Vec<Watcher> = (0..14).map(|_| Watcher::new(&bench)).collect();
-    let late = Watcher::new(&bench);
+    let more: Vec<Watcher> = (0..14).map(watcher).collect();
+    let late = watcher(0);
     assert!(late.status.contains("503"), "{}", late.status);
     drop((idle, more));
     for watcher in &mut reading {

@@ -35,7 +35,7 @@ const UNITS: [&str; 4] = [
 
 const UNIT: &str = "tertius.service";
 
-/// Gathers all facts, after listening on the bus for that long, if there is one.
+/// Gathers all facts, after listening on the bus for that long, if there is one. The gateway is not asked for anything.
 pub fn gather(wanted: Wanted, http: Option<SocketAddr>, listen: Duration) -> Facts {
     let (monotonic, system) = (Instant::now(), SystemTime::now());
     let rights = rights(&wanted.config);
@@ -48,7 +48,7 @@ pub fn gather(wanted: Wanted, http: Option<SocketAddr>, listen: Duration) -> Fac
     let http = http.map(|address| (address, TcpListener::bind(address).err()));
     let http = http.map(|(address, error)| (address, error.map(|error| error.to_string())));
     let (disks, ages) = (disks::of(&wanted.keeps), ages::of(&wanted.files, rights.gateway));
-    let host = Host { rights, clock, service: service(), disks, ages, http };
+    let host = Host { rights, clock, service: service(), disks, ages, http, logins: None };
     Facts { wanted, bus, others, host }
 }
 

@@ -3,6 +3,7 @@
 use super::disk;
 use super::facts::{Ages, ClockFacts, Host, Rights, Service, Wanted};
 use super::finding::Finding;
+use super::logins;
 use crate::story;
 use std::net::SocketAddr;
 
@@ -26,6 +27,7 @@ pub(super) fn judge(wanted: &Wanted, host: &Host) -> Vec<Finding> {
         None => Finding::ok("http", "off"),
         Some((address, trouble)) => http(*address, trouble.as_deref(), rights),
     });
+    findings.extend(logins::judge(host.logins.as_ref()));
     findings.push(service(&host.service));
     findings.push(program(&host.ages, rights));
     findings.extend(disk::judge(&host.disks));

@@ -12,6 +12,7 @@ mod host;
 mod interface;
 mod kernel;
 pub mod load;
+mod logins;
 mod process;
 mod receiving;
 mod traffic;

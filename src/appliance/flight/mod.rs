@@ -27,6 +27,7 @@ mod worker;
 pub use folder::is_recording;
 pub use manifest::MANIFEST;
 pub use plan::{FRAMES_FILE, FlightPlan, STATE_FILE};
+pub use ring::MOST_BYTES;
 
 use super::telemetry::Telemetry;
 use crate::alarm::OwnFrame;

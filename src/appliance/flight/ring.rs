@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// Most bytes of a ring, and of a recording. They share their pieces, and all of them end with the newest, so that
 /// this bounds them together.
-pub(super) const MOST_BYTES: usize = 16 << 20;
+pub const MOST_BYTES: usize = 16 << 20;
 
 /// Pieces of the last seconds.
 #[derive(Debug)]

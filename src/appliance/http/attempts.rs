@@ -1,13 +1,13 @@
 //! Who tries tokens: how often, and how long an address has to wait until it may try again.
 
 use super::Shared;
-use super::connections::Connection;
+use super::connections::{Connection, network};
 use crate::report::counted;
 use axum::http::header::RETRY_AFTER;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use std::collections::VecDeque;
-use std::net::{IpAddr, Ipv6Addr};
+use std::net::IpAddr;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tracing::warn;
@@ -83,8 +83,8 @@ impl Attempts {
         (!wait.is_zero()).then_some(wait)
     }
 
-    /// Takes a failure of `from`, and returns what is to be logged of it, if it is the time.
-    fn fail(&self, from: IpAddr, now: Duration, limits: LoginLimits) -> Option<String> {
+    /// Takes a failure of `from`.
+    fn fail(&self, from: IpAddr, now: Duration, limits: LoginLimits) -> Failed {
         let mut failures = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let network = network(from);
         let forget = FORGET.max(limits.lockout);
@@ -112,7 +112,7 @@ impl Attempts {
         // Who is locked out is told at any rate: it is told once.
         if now < failures.log_at && !is_out {
             failures.unlogged += 1;
-            return None;
+            return Failed { is_out, told: None };
         }
         (failures.log_at, failures.unlogged) = (now + LOG_APART, 0);
         let others = match unlogged {
@@ -124,7 +124,9 @@ impl Attempts {
         } else {
             format!("it may try again in {} s", wait.as_secs_f64())
         };
-        Some(format!("a wrong token from {from}, failure {count} of that address; {then}{others}"))
+        let told =
+            format!("a wrong token from {from}, failure {count} of that address; {then}{others}");
+        Failed { is_out, told: Some(told) }
     }
 
     /// Forgets the failures of who knew the token after all.
@@ -134,15 +136,13 @@ impl Attempts {
     }
 }
 
-/// The address that counts: of IPv6 the network, of which one computer has all addresses.
-fn network(from: IpAddr) -> IpAddr {
-    match from.to_canonical() {
-        IpAddr::V6(it) => {
-            let [a, b, c, d, ..] = it.segments();
-            Ipv6Addr::new(a, b, c, d, 0, 0, 0, 0).into()
-        }
-        other => other,
-    }
+/// What came of a failure.
+#[derive(Debug)]
+struct Failed {
+    /// Whether its address is locked out now.
+    is_out: bool,
+    /// What is to be logged of it, if it is the time.
+    told: Option<String>,
 }
 
 /// What became of a token that somebody gave.
@@ -168,8 +168,9 @@ impl Shared {
             self.attempts.succeed(from);
             return Trial::Right;
         }
-        self.telemetry.login_failed();
-        if let Some(told) = self.attempts.fail(from, now, self.desk.plan().logins) {
+        let Failed { is_out, told } = self.attempts.fail(from, now, self.desk.plan().logins);
+        self.telemetry.login_failed(is_out);
+        if let Some(told) = told {
             warn!("http: {told}");
         }
         Trial::Wrong
@@ -250,13 +251,13 @@ mod tests {
         let limits = LoginLimits { failures: 1000, ..LIMITS };
         let at = |millis| Duration::from_millis(millis);
         let told: Vec<String> =
-            (0..2001).filter_map(|n| attempts.fail(address(9), at(10 * n), limits)).collect();
+            (0..2001).filter_map(|n| attempts.fail(address(9), at(10 * n), limits).told).collect();
         let logged = told.iter().filter(|it| !it.contains("locked out")).count();
         assert_eq!(logged, 1, "{told:?}");
         let limits = LoginLimits { failures: 100_000, ..LIMITS };
         let attempts = Attempts::default();
         let told: Vec<String> =
-            (0..2001).filter_map(|n| attempts.fail(address(9), at(10 * n), limits)).collect();
+            (0..2001).filter_map(|n| attempts.fail(address(9), at(10 * n), limits).told).collect();
         assert_eq!(told.len(), 3, "{told:?}");
         assert!(told[0].starts_with("a wrong token from 192.168.1.9, failure 1 "), "{}", told[0]);
         assert!(told[1].contains("999 failures before were not logged"), "{}", told[1]);

@@ -9,9 +9,11 @@ use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
+use nix::sys::socket::{setsockopt, sockopt};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
-use std::net::IpAddr;
+use std::io;
+use std::net::{IpAddr, Ipv6Addr};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::time::Duration;
@@ -19,9 +21,15 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
 use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::ServerConnection;
 
 /// Most connections at once, those of streams apart; the oldest one gives way. An honest one lasts for milliseconds.
-const CONNECTIONS: usize = 16;
+pub(super) const CONNECTIONS: usize = 16;
+
+/// Most of so many places that one address may hold, so that there is one for others, whoever it is.
+pub(super) const fn share(places: usize) -> usize {
+    places / 2
+}
 
 /// Time limit from the opening of a connection to the last byte of its answer, unless it is a stream.
 const TIME_LIMIT: Duration = Duration::from_secs(5);
@@ -35,8 +43,16 @@ const LONG_LIMIT: Duration = Duration::from_secs(3600);
 const PIECE_LIMIT: Duration = Duration::from_secs(20);
 
 /// Most bytes of request line and headers together; the least that the parser works with.
-const HEAD_SIZE: usize = 8192;
+pub(super) const HEAD_SIZE: usize = 8192;
 const HEADERS: usize = 64;
+
+/// What the kernel keeps of what is sent and of what has come on a connection, bytes; it takes twice as much. By itself
+/// it would let whoever reads nothing have megabytes.
+pub(super) const SEND_BUFFER: usize = 32 * 1024;
+pub(super) const RECEIVE_BUFFER: usize = 16 * 1024;
+
+/// What is encrypted and not sent yet, bytes.
+pub(super) const ENCRYPTED: usize = 16 * 1024;
 
 /// Pause after a connection that could not be accepted, for example for lack of file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -78,6 +94,11 @@ impl Connection {
         self.peer
     }
 
+    /// The address that counts.
+    pub fn network(&self) -> IpAddr {
+        network(self.peer)
+    }
+
     /// Notes that the answer is a stream; whoever feeds it ends the connection.
     pub fn becomes_stream(&self) {
         self.streams.store(true, Ordering::Relaxed);
@@ -117,6 +138,16 @@ impl Connection {
 /// The identity of the server, which a reload may change; `None`: it does not encrypt.
 pub(super) type Identities = Arc<RwLock<Option<Identity>>>;
 
+/// Bounds what the kernel keeps of each connection that `listener` will accept.
+///
+/// # Errors
+/// The kernel refuses it.
+pub(super) fn bound(listener: &std::net::TcpListener) -> io::Result<()> {
+    setsockopt(listener, sockopt::SndBuf, &SEND_BUFFER)?;
+    setsockopt(listener, sockopt::RcvBuf, &RECEIVE_BUFFER)?;
+    Ok(())
+}
+
 /// Accepts connections until the task is dropped.
 pub(super) async fn accept(listener: TcpListener, router: Router, identities: Identities) {
     let mut connections: VecDeque<Arc<Connection>> = VecDeque::with_capacity(CONNECTIONS);
@@ -127,9 +158,8 @@ pub(super) async fn accept(listener: TcpListener, router: Router, identities: Id
         };
         // Streams are counted where they are fed.
         connections.retain(|connection| !(connection.is_over() || connection.is_stream()));
-        if connections.len() >= CONNECTIONS
-            && let Some(place) = gives_way(&connections)
-            && let Some(one) = connections.remove(place)
+        if let Some(one) =
+            gives_way(&connections, peer.ip()).and_then(|place| connections.remove(place))
         {
             one.end();
         }
@@ -143,16 +173,34 @@ pub(super) async fn accept(listener: TcpListener, router: Router, identities: Id
     }
 }
 
-/// Which connection gives way to another one: one that asks for nothing first, then one of the address that has most, then
-/// the oldest. A download never does: how many there are is bounded elsewhere.
-fn gives_way(connections: &VecDeque<Arc<Connection>>) -> Option<usize> {
-    let of = |peer: IpAddr| connections.iter().filter(|it| it.peer == peer).count();
+/// Which connection gives way to another one of `peer`; `None` if there is room. An address that has its share loses one of
+/// its own. One that asks for nothing is the first, then one of the address that has most, then the oldest. A download never
+/// gives way: how many there are is bounded elsewhere.
+fn gives_way(connections: &VecDeque<Arc<Connection>>, peer: IpAddr) -> Option<usize> {
+    let of = |peer: IpAddr| connections.iter().filter(|it| it.network() == peer).count();
+    let own = network(peer);
+    let has_its_share = of(own) >= share(CONNECTIONS);
+    if !has_its_share && connections.len() < CONNECTIONS {
+        return None;
+    }
     let places = connections.iter().enumerate();
-    let short = places.filter(|(_, it)| !it.takes_long.load(Ordering::Relaxed));
+    let mine = places.filter(|(_, it)| !has_its_share || it.network() == own);
+    let short = mine.filter(|(_, it)| !it.takes_long.load(Ordering::Relaxed));
     let rank = |(place, it): &(usize, &Arc<Connection>)| {
-        (it.asks.load(Ordering::Relaxed), Reverse(of(it.peer)), *place)
+        (it.asks.load(Ordering::Relaxed), Reverse(of(it.network())), *place)
     };
     short.min_by_key(rank).map(|(place, _)| place)
+}
+
+/// The address that counts: of IPv6 the network, of which one computer has all addresses.
+pub(super) fn network(from: IpAddr) -> IpAddr {
+    match from.to_canonical() {
+        IpAddr::V6(it) => {
+            let [a, b, c, d, ..] = it.segments();
+            Ipv6Addr::new(a, b, c, d, 0, 0, 0, 0).into()
+        }
+        other => other,
+    }
 }
 
 /// Serves one request, after the handshake if there is an `identity`. Errors concern the client alone.
@@ -163,7 +211,8 @@ async fn answer(
     connection: Arc<Connection>,
 ) {
     let Some(identity) = identity else { return serve(stream, router, connection).await };
-    let handshake = TlsAcceptor::from(identity.config).accept(stream);
+    let bounded = |session: &mut ServerConnection| session.set_buffer_limit(Some(ENCRYPTED));
+    let handshake = TlsAcceptor::from(identity.config).accept_with(stream, bounded);
     if let Ok(Ok(stream)) = tokio::time::timeout(HANDSHAKE_LIMIT, handshake).await {
         connection.encrypted.store(true, Ordering::Relaxed);
         serve(stream, router, connection).await;
@@ -213,6 +262,7 @@ async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nix::sys::socket::getsockopt;
 
     #[test]
     fn idle_connections_and_those_of_the_greedy_give_way_and_downloads_never() {
@@ -225,10 +275,48 @@ mod tests {
         }
         let mut all: VecDeque<_> =
             [&download, &other, &greedy[0], &greedy[1], &idle].map(Arc::clone).into();
+        let newest = IpAddr::from([10, 0, 0, 9]);
+        assert_eq!(gives_way(&all, newest), None, "there is room");
+        let more = || {
+            let download = of([10, 0, 0, 1]);
+            download.takes_long();
+            download
+        };
         for expected in [&idle, &greedy[0], &other, &greedy[1]] {
-            let place = gives_way(&all).expect("one gives way");
+            all.resize_with(CONNECTIONS, more);
+            let place = gives_way(&all, newest).expect("one gives way");
             assert!(Arc::ptr_eq(&all.remove(place).expect("it is there"), expected));
         }
-        assert_eq!(gives_way(&all), None, "a download stays");
+        all.resize_with(CONNECTIONS, more);
+        assert_eq!(gives_way(&all, newest), None, "a download stays");
+    }
+
+    #[test]
+    fn the_kernel_keeps_little_of_a_connection() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+        bound(&listener).expect("it may be less");
+        let address = listener.local_addr().expect("it has one");
+        let _client = std::net::TcpStream::connect(address).expect("it listens");
+        let (accepted, _) = listener.accept().expect("there is one");
+        let sent = getsockopt(&accepted, sockopt::SndBuf).expect("it has one");
+        let come = getsockopt(&accepted, sockopt::RcvBuf).expect("it has one");
+        assert_eq!((sent, come), (2 * SEND_BUFFER, 2 * RECEIVE_BUFFER));
+    }
+
+    #[test]
+    fn an_address_that_has_half_of_the_places_takes_none_of_others() {
+        let of = |peer: IpAddr| Arc::new(Connection::new(peer));
+        let [one, other] = [[10, 0, 0, 1], [10, 0, 0, 2]].map(IpAddr::from);
+        // The other's is the oldest and asks for nothing, which is the first to go otherwise.
+        let mut all: VecDeque<_> = [of(other)].into();
+        all.extend((1..CONNECTIONS / 2).map(|_| of(one)));
+        assert_eq!(gives_way(&all, one), None);
+        all.push_back(of(one));
+        assert_eq!(gives_way(&all, one), Some(1), "its own oldest");
+        assert_eq!(gives_way(&all, other), None, "there is room for others");
+        let [near, far] = ["2001:db8::1", "2001:db8::2:3"].map(|it| it.parse().expect("IPv6"));
+        let mut all: VecDeque<_> = (0..CONNECTIONS / 2).map(|_| of(near)).collect();
+        all.push_front(of(one));
+        assert_eq!(gives_way(&all, far), Some(1), "one computer has all of them");
     }
 }

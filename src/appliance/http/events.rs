@@ -1,7 +1,7 @@
 //! What the event store has, as JSON: alarms, incidents and events, stops.
 
 use super::connections::Connection;
-use super::sending::{body, no_place, no_thread, place};
+use super::sending::{body, no_thread};
 use super::{Shared, json};
 use crate::alarm::Level;
 use crate::alarm::status::Mode;
@@ -156,7 +156,10 @@ pub(super) async fn file(
         Ok(path) => path,
         Err(told) => return (StatusCode::NOT_FOUND, told).into_response(),
     };
-    let Some(place) = place(&shared.places.exports) else { return no_place() };
+    let place = match shared.places.exports.place(&connection) {
+        Ok(place) => place,
+        Err(refusal) => return refusal,
+    };
     let now = shared.clock.system();
     let headers = [
         (CONTENT_TYPE, kind.to_owned()),

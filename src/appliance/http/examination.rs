@@ -1,6 +1,7 @@
 //! What `tertius doctor` says of this computer, without listening to the bus.
 
 use super::{Shared, json};
+use crate::appliance::doctor::facts::Logins;
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, examine};
 use axum::extract::State;
@@ -37,9 +38,12 @@ pub(super) async fn doctor(State(shared): State<Shared>) -> Response {
     {
         return json(report);
     }
-    let clock = Arc::clone(&shared.clock);
+    let (clock, telemetry) = (Arc::clone(&shared.clock), Arc::clone(&shared.telemetry));
     let examination = tokio::task::spawn_blocking(move || {
-        let mut findings = examine(&gather(patient, None, Duration::ZERO));
+        let mut facts = gather(patient, None, Duration::ZERO);
+        let [failures, lockouts] = telemetry.logins();
+        facts.host.logins = Some(Ok(Logins { failures, lockouts }));
+        let mut findings = examine(&facts);
         // Whoever reads this knows that the page is served, and its address is in use by it.
         findings.retain(|finding| finding.subject != "http");
         let report = Report { at_s: clock.system().as_seconds(), findings };

@@ -5,6 +5,7 @@
 mod acts;
 mod api;
 mod attempts;
+mod budget;
 mod connections;
 mod events;
 mod examination;
@@ -33,6 +34,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+pub use budget::{AT_REST, MEMORY};
 use connections::Identities;
 use examination::Examined;
 use sending::Places;
@@ -53,6 +55,9 @@ const STACK_SIZE: usize = 512 * 1024;
 
 /// Most threads that read the event store at once.
 const READERS: usize = 2;
+
+/// Longest answer that is made as a whole, bytes; the longest of the page has a half of it. What is longer is sent in pieces.
+const LARGEST_ANSWER: usize = 512 * 1024;
 
 /// What is served beside the telemetry.
 #[derive(Clone, Debug, Default)]
@@ -115,6 +120,7 @@ impl Server {
     ) -> io::Result<Self> {
         let identities = Identities::new(RwLock::new(identity));
         let listener = std::net::TcpListener::bind(listen)?;
+        connections::bound(&listener)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let shared = Shared {
@@ -248,6 +254,10 @@ async fn metrics(State(shared): State<Shared>, headers: HeaderMap) -> Response {
 /// `value` as the answer to a request, on a line of its own.
 fn json(value: &impl serde::Serialize) -> Response {
     match serde_json::to_string(value) {
+        Ok(json) if json.len() >= LARGEST_ANSWER => {
+            let told = "the answer would be too long; ask for less, or export the events\n";
+            (StatusCode::INTERNAL_SERVER_ERROR, told).into_response()
+        }
         Ok(json) => {
             let headers = [(TYPE, "application/json"), (CACHE_CONTROL, "no-store")];
             (headers, json + "\n").into_response()

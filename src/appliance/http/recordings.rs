@@ -1,7 +1,7 @@
 //! The recordings of the flight recorder, to be taken away.
 
 use super::connections::Connection;
-use super::sending::{body, no_place, no_thread, place};
+use super::sending::{body, no_thread};
 use super::{Shared, json};
 use axum::Extension;
 use axum::extract::{Path, State};
@@ -88,7 +88,10 @@ pub(super) async fn archive(
     if !path.is_dir() {
         return absent();
     }
-    let Some(place) = place(&shared.places.recordings) else { return no_place() };
+    let place = match shared.places.recordings.place(&connection) {
+        Ok(place) => place,
+        Err(refusal) => return refusal,
+    };
     let own = name.to_owned();
     let body = match body(&connection, place, move |out| pack(out, &own, &path)) {
         Ok(body) => body,

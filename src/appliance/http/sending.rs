@@ -1,51 +1,83 @@
 //! Answers that take long, in pieces: each is made on a thread of its own, so that whoever reads slowly holds up nobody
 //! who looks at alarms, and only so much of it is in memory.
 
-use super::connections::Connection;
+use super::connections::{Connection, share};
 use super::stream::Pieces;
 use axum::body::{Body, Bytes};
 use axum::http::StatusCode;
+use axum::http::header::RETRY_AFTER;
 use axum::response::{IntoResponse, Response};
 use std::io::{self, BufWriter, Write};
-use std::sync::Arc;
+use std::net::IpAddr;
+use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::mpsc::{Sender, channel};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-/// Most recordings and exports that are sent at once. An export holds a place in the event store meanwhile.
-const RECORDINGS: usize = 2;
-const EXPORTS: usize = 1;
+/// Most recordings, and most exports, that are sent at once, half of them to one address. An export holds a place in the
+/// event store meanwhile.
+pub(super) const DOWNLOADS: usize = 2;
+
+/// After how many seconds to try again where there is no place.
+const RETRY: &str = "10";
 
 /// Pieces that wait for a slow client, and the size of each, bytes.
-const WAITING: usize = 2;
-const PIECE: usize = 64 * 1024;
+pub(super) const WAITING: usize = 2;
+pub(super) const PIECE: usize = 64 * 1024;
 
 /// Stack of a thread, bytes.
-const STACK_SIZE: usize = 512 * 1024;
+pub(super) const STACK_SIZE: usize = 512 * 1024;
 
 /// The places of those who are sent something long.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Places {
-    pub recordings: Arc<Semaphore>,
-    pub exports: Arc<Semaphore>,
+    pub recordings: Arc<Taken>,
+    pub exports: Arc<Taken>,
 }
 
-impl Default for Places {
-    fn default() -> Self {
-        let of = |places| Arc::new(Semaphore::new(places));
-        Self { recordings: of(RECORDINGS), exports: of(EXPORTS) }
+/// The addresses that have places.
+#[derive(Debug, Default)]
+pub(super) struct Taken(Mutex<Vec<IpAddr>>);
+
+/// A place, until it is dropped.
+pub(super) struct Place {
+    of: Arc<Taken>,
+    by: IpAddr,
+}
+
+impl Taken {
+    /// A place for who asks by `connection`.
+    ///
+    /// # Errors
+    /// The answer where all places are taken, or all that its address may have.
+    pub fn place(self: &Arc<Self>, connection: &Connection) -> Result<Place, Response> {
+        let by = connection.network();
+        let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if taken.len() >= DOWNLOADS {
+            return Err(no_place(
+                "as much is being downloaded as can be at once; try again when a download has ended\n",
+            ));
+        }
+        if taken.iter().filter(|it| **it == by).count() >= share(DOWNLOADS) {
+            return Err(no_place(
+                "your address is downloading as much as one may at once; try again when that has ended\n",
+            ));
+        }
+        taken.push(by);
+        Ok(Place { of: Arc::clone(self), by })
     }
 }
 
-/// A place; `None` where all are taken.
-pub(super) fn place(of: &Arc<Semaphore>) -> Option<OwnedSemaphorePermit> {
-    Arc::clone(of).try_acquire_owned().ok()
+impl Drop for Place {
+    fn drop(&mut self) {
+        let mut taken = self.of.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(own) = taken.iter().position(|it| *it == self.by) {
+            taken.swap_remove(own);
+        }
+    }
 }
 
-/// The answer where all places are taken.
-pub(super) fn no_place() -> Response {
-    let told =
-        "as much is being downloaded as can be at once; try again when a download has ended\n";
-    (StatusCode::SERVICE_UNAVAILABLE, told).into_response()
+/// The answer where there is no place, in words.
+pub(super) fn no_place(told: &'static str) -> Response {
+    (StatusCode::SERVICE_UNAVAILABLE, [(RETRY_AFTER, RETRY)], told).into_response()
 }
 
 /// A body of what `make` writes, which takes `place` until it has ended.
@@ -54,7 +86,7 @@ pub(super) fn no_place() -> Response {
 /// There is no thread for it.
 pub(super) fn body(
     connection: &Arc<Connection>,
-    place: OwnedSemaphorePermit,
+    place: Place,
     make: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send + 'static,
 ) -> io::Result<Body> {
     connection.takes_long();

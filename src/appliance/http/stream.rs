@@ -1,12 +1,12 @@
 //! Server-sent events: the overview and the newest bins of the trends, to everybody who watches.
 
 use super::Shared;
-use super::connections::Connection;
+use super::connections::{Connection, share};
+use super::sending::no_place;
 use crate::appliance::telemetry::feed::{PERIOD, TrendFeed, TrendRow};
 use axum::Extension;
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::State;
-use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use hyper::body::Frame;
@@ -16,11 +16,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll};
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 
-/// Most who watch at once; a further one is refused.
-const MOST_WATCHERS: usize = 64;
+/// Most who watch at once, half of them at one address; a further one is refused.
+pub(super) const MOST_WATCHERS: usize = 64;
 
 /// Events that wait for a watcher, 4 s of them. Whoever does not read them by then is dropped, not waited for.
-const WAITING: usize = 8;
+pub(super) const WAITING: usize = 8;
 
 /// Those who watch.
 #[derive(Debug, Default)]
@@ -33,17 +33,29 @@ struct Watcher {
 }
 
 impl Audience {
-    /// Adds who watches on `connection`; `None` if there are too many.
-    fn join(&self, connection: Arc<Connection>) -> Option<Receiver<Bytes>> {
+    /// Adds who watches on `connection`.
+    ///
+    /// # Errors
+    /// The answer if there are too many, in all or at its address.
+    fn join(&self, connection: Arc<Connection>) -> Result<Receiver<Bytes>, Response> {
         let mut watchers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         watchers.retain(|watcher| !watcher.events.is_closed());
         if watchers.len() >= MOST_WATCHERS {
-            return None;
+            return Err(no_place(
+                "as many watch as can be served; close another window of this page\n",
+            ));
+        }
+        let by = connection.network();
+        let own = watchers.iter().filter(|watcher| watcher.connection.network() == by);
+        if own.count() >= share(MOST_WATCHERS) {
+            return Err(no_place(
+                "as many watch from your address as may at once; close another window of this page\n",
+            ));
         }
         let (events, receiver) = channel(WAITING);
         connection.becomes_stream();
         watchers.push(Watcher { events, connection });
-        Some(receiver)
+        Ok(receiver)
     }
 
     /// Tells everybody what `event` makes, if there is anybody.
@@ -95,9 +107,9 @@ pub(super) async fn stream(
     State(shared): State<Shared>,
     Extension(connection): Extension<Arc<Connection>>,
 ) -> Response {
-    let Some(events) = shared.audience.join(Arc::clone(&connection)) else {
-        let told = "as many watch as can be served; close another window of this page\n";
-        return (StatusCode::SERVICE_UNAVAILABLE, told).into_response();
+    let events = match shared.audience.join(Arc::clone(&connection)) {
+        Ok(events) => events,
+        Err(refusal) => return refusal,
     };
     let headers = [(CONTENT_TYPE, "text/event-stream"), (CACHE_CONTROL, "no-store")];
     (headers, Body::new(Pieces::of(events, connection))).into_response()

@@ -45,5 +45,6 @@ pub use reader::{
     ActEntry, AlarmEntry, AlarmOverview, Counts, EventEntry, EventPage, HourEntry, IncidentFields,
     IncidentPage, Revision, RunEntry, StopEntry, StoreReader, WarningEntry,
 };
+pub use schema::READ_CACHE;
 pub use shared::{StoreHandle, StoreState};
 pub use trouble::Trouble;

@@ -24,6 +24,9 @@ const ALARMS: usize = 200;
 /// Most rows of each list of an incident's page, and of the stops.
 const ROWS: usize = 500;
 
+/// Most bytes of text in a page of a search, which then has fewer entries: people write notes of two kilobytes.
+const MOST_TEXT: usize = 256 * 1024;
+
 /// Most hours that are returned: those of a month, of all residuals of a cylinder.
 const HOURS: usize = 3 * 24 * 31;
 
@@ -162,8 +165,14 @@ impl StoreReader {
         let mut query = self.0.prepare(&sql)?;
         let rows = query.query_map(values, |row| Ok((entry(row, now)?, is_damaged(row))))?;
         let mut rows = rows.collect::<rusqlite::Result<Vec<(EventEntry, bool)>>>()?;
-        let more = rows.len() > limit;
-        rows.truncate(limit);
+        let mut room = MOST_TEXT;
+        let is_room = |(entry, _): &&(EventEntry, bool)| {
+            room = room.saturating_sub(entry.text.len());
+            room > 0
+        };
+        let shown = rows.iter().take(limit).take_while(is_room).count().max(1);
+        let more = rows.len() > shown;
+        rows.truncate(shown);
         let damaged = rows.iter().filter(|(_, is_damaged)| *is_damaged).count();
         let entries: Vec<EventEntry> = rows.into_iter().map(|(entry, _)| entry).collect();
         let next = entries.last().filter(|_| more).map(|last| last.id);

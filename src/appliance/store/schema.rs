@@ -172,6 +172,9 @@ pub(super) fn limit(database: &Connection, size: u64, more: u64) -> Result<(), T
     Ok(database.query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))?)
 }
 
+/// Most bytes of the database that one who reads keeps in memory.
+pub const READ_CACHE: usize = 2 << 20;
+
 /// Opens the database at `path` to read.
 ///
 /// # Errors
@@ -180,7 +183,8 @@ pub(super) fn open_to_read(path: &Path) -> Result<Connection, Trouble> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(path, flags)?;
     database.busy_timeout(PATIENCE)?;
-    database.execute_batch("PRAGMA cache_size = -2048; PRAGMA query_only = ON;")?;
+    let cache = READ_CACHE / 1024;
+    database.execute_batch(&format!("PRAGMA cache_size = -{cache}; PRAGMA query_only = ON;"))?;
     match version(&database, &MIGRATIONS)? {
         found if found == MIGRATIONS.len() => Ok(database),
         0 => Err(Trouble::Empty),

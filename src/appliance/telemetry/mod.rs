@@ -245,9 +245,15 @@ impl Telemetry {
         self.totals.store_failures.add(1);
     }
 
-    /// Notes that somebody gave a wrong token.
-    pub fn login_failed(&self) {
+    /// Notes that somebody gave a wrong token, and whether the address was locked out for it.
+    pub fn login_failed(&self, is_out: bool) {
         self.totals.login_failures.add(1);
+        self.totals.login_lockouts.add(u64::from(is_out));
+    }
+
+    /// Wrong tokens so far, and lockouts.
+    pub fn logins(&self) -> [u64; 2] {
+        [&self.totals.login_failures, &self.totals.login_lockouts].map(Total::get)
     }
 
     /// Takes the size of the event store, bytes; `None` if it is not open.

@@ -53,6 +53,8 @@ pub(super) struct Totals {
     pub store_failures: Total,
     /// Wrong tokens, counted by the thread that serves the page.
     pub login_failures: Total,
+    /// Times that an address was locked out, counted by the same thread.
+    pub login_lockouts: Total,
     pub recorder_recordings: Total,
     pub recorder_failures: Total,
     pub recorder_left_out: Total,
@@ -104,7 +106,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 42] {
+    pub fn described(&self) -> [Described<'_>; 43] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -147,6 +149,7 @@ impl Totals {
             ("store_lost", "Notes that the event store had no room for.", &self.store_lost),
             ("store_failures", "Times that the event store could not be written; it is tried again.", &self.store_failures),
             ("login_failures", "Wrong tokens that were given to the page, to log in or to act.", &self.login_failures),
+            ("login_lockouts", "Times that an address was locked out after wrong tokens.", &self.login_lockouts),
             ("recorder_recordings", "Recordings that were written.", &self.recorder_recordings),
             ("recorder_failures", "Recordings that could not be written.", &self.recorder_failures),
             ("recorder_left_out", "Incidents that were not recorded, because too many came at once.",

@@ -1,6 +1,6 @@
 //! A running gateway, over the HTTP of its page.
 
-use super::news::{News, NewsSource, WatchedMachine};
+use super::news::{News, NewsSource, WatchedMachine, told};
 use super::picture::MINUTES;
 use super::stream::EventLines;
 use super::trust::{self, Trust};
@@ -17,6 +17,7 @@ use std::pin::Pin;
 use std::time::{Duration, Instant};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
+use tokio::runtime::Runtime;
 use tokio::time::timeout;
 
 /// Port of a gateway's page where none is given.
@@ -92,6 +93,15 @@ impl GatewaySource {
         Ok(Self { port, authority: format!("{}:{port}", authority.host()), host, trust, token })
     }
 
+    /// The answer to a request for `path`, as text.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn text(&self, path: &str) -> Result<String, String> {
+        let answer = runtime()?.block_on(self.answer(path))?;
+        Ok(String::from_utf8_lossy(&answer).into_owned())
+    }
+
     /// Follows the gateway until it is lost, for the reason returned; `Ok` if nobody wants to be told any more.
     async fn follow(&self, tell: &mut dyn FnMut(News) -> bool) -> Result<(), String> {
         let machine = self.machine().await?;
@@ -136,7 +146,7 @@ impl GatewaySource {
     async fn machine(&self) -> Result<WatchedMachine, String> {
         let path = "/api/machine";
         let answer = self.answer(path).await?;
-        serde_json::from_slice(&answer).map_err(|error| unreadable(path, &error))
+        told(&answer).map_err(|error| unreadable(path, &error))
     }
 
     /// The whole answer to a request.
@@ -156,10 +166,10 @@ impl GatewaySource {
         if status == StatusCode::UNAUTHORIZED {
             return Err(trust::unauthorized(self.token.is_some()));
         }
-        let told = read(answer.body_mut(), LARGEST_REFUSAL, path).await.unwrap_or_default();
-        let told = String::from_utf8_lossy(&told);
+        let refusal = read(answer.body_mut(), LARGEST_REFUSAL, path).await.unwrap_or_default();
+        let refusal = String::from_utf8_lossy(&refusal);
         let line: String =
-            told.lines().next().unwrap_or_default().chars().take(SHOWN_REFUSAL).collect();
+            refusal.lines().next().unwrap_or_default().chars().take(SHOWN_REFUSAL).collect();
         Err(format!("{path}: {status}: {line}"))
     }
 
@@ -186,11 +196,10 @@ impl NewsSource for GatewaySource {
     }
 
     fn watch(&mut self, tell: &mut dyn FnMut(News) -> bool) {
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-        let runtime = match runtime {
+        let runtime = match runtime() {
             Ok(runtime) => runtime,
-            Err(error) => {
-                tell(News::Lost(error.to_string()));
+            Err(reason) => {
+                tell(News::Lost(reason));
                 return;
             }
         };
@@ -201,6 +210,11 @@ impl NewsSource for GatewaySource {
             std::thread::sleep(PAUSE);
         }
     }
+}
+
+fn runtime() -> Result<Runtime, String> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    runtime.map_err(|error| error.to_string())
 }
 
 /// The answer to `request`, of which the body is not read yet.

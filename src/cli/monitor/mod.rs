@@ -14,7 +14,7 @@ use super::Failure;
 use super::overriding::SetOptions;
 use bus::BusSource;
 use clap::Args;
-use gateway::GatewaySource;
+pub use gateway::GatewaySource;
 use news::NewsSource;
 use std::path::PathBuf;
 use std::sync::mpsc::sync_channel;

@@ -3,8 +3,10 @@
 use crate::appliance::telemetry::feed::TrendRow;
 use crate::appliance::telemetry::lamp::Lamp;
 use crate::appliance::telemetry::trend::QUANTITIES;
-use crate::config::MachineNames;
+use crate::config::{MachineNames, visible};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 /// Watches a machine.
 pub trait NewsSource: Send {
@@ -138,13 +140,13 @@ impl News {
     /// The data are not what they should be.
     pub fn event(name: &str, data: &str) -> serde_json::Result<Option<Self>> {
         Ok(match name {
-            "overview" => serde_json::from_str::<Option<_>>(data)?.map(Self::Overview),
+            "overview" => told::<Option<_>>(data.as_bytes())?.map(Self::Overview),
             "bins" => {
                 let rows: Option<Vec<TrendRow>> = serde_json::from_str(data)?;
                 let sizes = |(cylinder, time, values): TrendRow| sizes(cylinder, time, &values);
                 rows.map(|rows| Self::Trends(rows.into_iter().map(sizes).collect()))
             }
-            "machine" => Some(Self::Machine(serde_json::from_str(data)?)),
+            "machine" => Some(Self::Machine(told(data.as_bytes())?)),
             _ => None,
         })
     }
@@ -165,6 +167,25 @@ impl News {
             Sizes { cylinder, time: *time, residuals: RESIDUALS.map(value) }
         };
         Ok(Self::History(cylinder, answer.time.iter().enumerate().map(bin).collect()))
+    }
+}
+
+/// What `data` tells in JSON, where no text acts on a terminal.
+///
+/// # Errors
+/// The data are not what they should be.
+pub fn told<T: DeserializeOwned>(data: &[u8]) -> serde_json::Result<T> {
+    let mut value = serde_json::from_slice(data)?;
+    escape(&mut value);
+    serde_json::from_value(value)
+}
+
+fn escape(value: &mut Value) {
+    match value {
+        Value::String(text) => *text = visible(text).into_owned(),
+        Value::Array(all) => all.iter_mut().for_each(escape),
+        Value::Object(fields) => fields.values_mut().for_each(escape),
+        Value::Null | Value::Bool(_) | Value::Number(_) => {}
     }
 }
 

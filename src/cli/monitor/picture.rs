@@ -2,7 +2,7 @@
 
 use super::news::{News, Sizes, WatchedCylinder, WatchedMachine, WatchedOverview};
 use crate::appliance::telemetry::lamp::Lamp;
-use crate::config::MachineNames;
+use crate::config::{MachineNames, visible};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -46,7 +46,7 @@ impl Picture {
             News::Trends(bins) => bins.into_iter().for_each(|bin| self.follow(bin)),
             News::Lost(reason) => {
                 let since = self.lost.as_ref().map_or(at, |(_, since)| *since);
-                self.lost = Some((reason, since));
+                self.lost = Some((visible(&reason).into_owned(), since));
             }
         }
     }

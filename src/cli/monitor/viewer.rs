@@ -2,6 +2,7 @@
 
 use super::news::News;
 use super::picture::{Picture, badness};
+use crate::config::visible;
 use std::time::Duration;
 
 /// A wish of the person at the keyboard.
@@ -37,7 +38,7 @@ impl Viewer {
     /// A viewer of `source`, of which nothing is known yet.
     pub fn new(source: String) -> Self {
         Self {
-            source,
+            source: visible(&source).into_owned(),
             live: Picture::default(),
             frozen: None,
             selected: 1,

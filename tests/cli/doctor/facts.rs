@@ -143,6 +143,7 @@ fn host() -> Host {
         }],
         ages: Ages { program: span(3e6), configuration: span(7200.0), ..Ages::default() },
         http: Some((SocketAddr::from(([127, 0, 0, 1], 9481)), None)),
+        logins: None,
     }
 }
 

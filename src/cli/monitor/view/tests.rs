@@ -62,6 +62,39 @@ fn everything_is_unknown_when_the_gateway_is_lost() {
     }
 }
 
+/// What a gateway, its machine's names or an error say reaches the terminal as text, not as what it would do there.
+#[test]
+fn nothing_that_is_told_acts_on_the_terminal() {
+    const EVIL: &str = "x\u{1b}[2J\u{9b}1m\u{202e}\u{2066}";
+    const SHOWN: &str = "x\\u001b[2J\\u009b1m\\u202e\\u2066";
+    let mut viewer = Viewer::new(EVIL.to_owned());
+    let evil = serde_json::to_string(EVIL).expect("a text");
+    let machine = format!(
+        "{{\"name\":{evil},\"limits_m\":[[0.001,0.001,0.001,0.05]],\"names\":[{{\"name\":{evil},\"c1_name\":{evil}}}]}}"
+    );
+    let words = format!(
+        "{{\"lamp\":\"good\",\"words\":{evil},\"drift_mm_per_month\":null,\
+                         \"error_mm_per_month\":null,\"months_left\":[null,null,null]}}"
+    );
+    let overview = format!(
+        "{{\"time\":0.0,\"status\":{evil},\"reason\":{evil},\"mode\":{evil},\"platform\":{evil},\"bus\":{evil},\
+          \"controller\":{evil},\"level\":{evil},\"seconds_since_frame\":0.0,\"incidents\":[{{\"number\":1,\
+          \"level\":\"red\",\"begin\":0.0,\"summary\":{evil}}}],\"cylinders\":[{{\"number\":1,\"estimate_m\":null,\
+          \"sigma_mm\":null,\"residuals_mm\":[null,null,null],\"transducers\":[{words},{words}]}}]}}"
+    );
+    for (name, data) in [("machine", machine), ("overview", overview)] {
+        let news = News::event(name, &data).expect("it is what it should be");
+        viewer.take(news.expect("it is known"), NOW);
+    }
+    let wide = |viewer: &Viewer| lines(&drawn(viewer, NOW, COLOURED, (300, 40))).join("\n");
+    let shown = wide(&viewer);
+    // Name, platform, level, mode, bus, controller, status, reason; cylinder, C1 and both words; the incident.
+    assert_eq!(shown.matches(SHOWN).count(), 13, "{shown}");
+    viewer.take(News::Lost(EVIL.to_owned()), NOW);
+    let shown = wide(&viewer);
+    assert!(shown.contains(&format!("{SHOWN}: {SHOWN}")), "{shown}");
+}
+
 #[test]
 fn what_stands_still_says_so_and_since_when() {
     let mut viewer = viewer(NOW);

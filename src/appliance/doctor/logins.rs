@@ -1,0 +1,60 @@
+//! Check of what was tried at the login of the gateway that is running.
+
+use super::facts::Logins;
+use super::finding::Finding;
+use crate::report::counted;
+
+const SUBJECT: &str = "logins";
+
+/// What `logins` leads to; nothing where there is no gateway to ask, or no page.
+pub(super) fn judge(logins: Option<&Result<Logins, String>>) -> Option<Finding> {
+    Some(match logins? {
+        Ok(Logins { failures, lockouts: 0 }) => {
+            let tokens = counted(*failures, "wrong token");
+            Finding::ok(SUBJECT, format!("{tokens} since the gateway started, and no lockout"))
+        }
+        Ok(Logins { failures, lockouts }) => {
+            let (tokens, lockouts) =
+                (counted(*failures, "wrong token"), counted(*lockouts, "lockout"));
+            Finding::warn(
+                SUBJECT,
+                format!("{tokens} since the gateway started, and {lockouts}"),
+                "`journalctl -u tertius -g 'wrong token'` names the addresses: if you do not know one, keep it from \
+                 the page",
+            )
+        }
+        Err(reason) => Finding::warn(
+            SUBJECT,
+            format!("the running gateway was not asked for wrong tokens: {reason}"),
+            "its log says whether it serves its page; after a new certificate or address, `systemctl reload tertius`",
+        ),
+    })
+}
+
+impl Logins {
+    /// Those in the metrics `text`; `None` where they are not told.
+    pub fn read(text: &str) -> Option<Self> {
+        let total = |name: &str| {
+            let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+            line.strip_prefix("_total ")?.trim().parse().ok()
+        };
+        Some(Self {
+            failures: total("tertius_login_failures")?,
+            lockouts: total("tertius_login_lockouts")?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_totals_are_found_among_others() {
+        let text = "# HELP tertius_login_failures_total Wrong tokens.\ntertius_turns_total 5\n\
+                    tertius_login_failures_total 12\ntertius_login_lockouts_total 2\n";
+        assert_eq!(Logins::read(text), Some(Logins { failures: 12, lockouts: 2 }));
+        let older = text.replace("lockouts", "others");
+        assert_eq!(Logins::read(&older), None, "what is not told is not none");
+    }
+}
