@@ -341,4 +341,44 @@ fn fluctuating_readings_are_learnt_for_what_they_are() {
     assert!(figures.levels.len() == 6, "{figures:?}");
     let other = bench.record_for(900, "other.log", "fluctuating.toml", ["2.0,7.5", "33"], 0);
     assert_eq!(bench.warned(&other, &table), []);
+    for cylinder in table["cylinder"].as_array().expect("they are learnt") {
+        let excursions = &cylinder["sequential"]["excursions"];
+        let number = |key: &str| excursions[key].as_float().expect("a number");
+        // 0.05 a second, of four counts and ten readings; two one after the other are halved.
+        assert!((0.02..0.1).contains(&number("rate")), "{excursions}");
+        assert!((3.9e-4..5e-4).contains(&number("size")), "{excursions}");
+        assert!((10..=22).contains(&excursions["longest"].as_integer().expect("samples")));
+    }
+    // A step of 1.25 mm is more than two excursions at once, and one of 0.5 mm outlasts two in a row.
+    let steps =
+        [(5e-4, 1.1), (-7.5e-4, 0.6), (1e-3, 0.4), (1.25e-3, 0.15), (-5e-4, 1.1), (-1.25e-3, 0.15)];
+    let mut call =
+        vec!["inject".to_owned(), other, "--config".to_owned(), bench.path("taught.toml")];
+    for ((size, _), n) in steps.iter().zip(1..) {
+        let (sensor, at) = (["c2", "c1"][n % 2], 100 * n + 17);
+        let fault =
+            format!("step,cylinder={n},sensor={sensor},at={at},until={},size={size}", at + 20);
+        call.extend(["--fault".to_owned(), fault]);
+    }
+    call.extend(["--output".to_owned(), bench.path("steps.log")]);
+    tertius(&call.iter().map(String::as_str).collect::<Vec<_>>(), b"").ok();
+    let config = bench.path("taught.toml");
+    let call = ["replay", &bench.path("steps.log"), "--config", &config, "--format", "jsonl"];
+    let warnings = tertius(&call, b"").warnings();
+    let mut named = 0;
+    for ((size, within), n) in steps.into_iter().zip(1..) {
+        let begun = (100 * n + 17) as f64;
+        let own = |it: &&serde_json::Value| {
+            it["detector"] == "sequential"
+                && it["cylinder"] == n
+                && it["t"].as_f64().is_some_and(|t| (begun..begun + 20.0).contains(&t))
+        };
+        let own: Vec<_> = warnings.iter().filter(own).collect();
+        let delay = own.first().and_then(|it| it["t"].as_f64()).expect("it is found") - begun;
+        assert!(delay < within, "{size} after {delay} s");
+        let other = ["c1", "c2"][n % 2];
+        assert!(own.iter().all(|it| it["suspect"] != other), "{size}: {own:?}");
+        named += usize::from(own.iter().any(|it| it["suspect"] == ["c2", "c1"][n % 2]));
+    }
+    assert!(named >= 5, "{named} of 6 are named");
 }

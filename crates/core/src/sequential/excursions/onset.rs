@@ -46,7 +46,7 @@ pub struct AlarmWindow {
 /// The onset of the displacement of an alarm in the `newest` residuals, newest first, m; `None` where it is not to be seen, is hidden by
 /// another excursion, or a step has no edge and a ramp is too slow.
 pub fn find(newest: &[f64], window: &AlarmWindow, p: &OnsetParameters) -> Option<Onset> {
-    let AlarmWindow { width, age, longest, deviation, .. } = *window;
+    let AlarmWindow { width, age, deviation, .. } = *window;
     let size = size(newest, window, p)?;
     if size.abs() < p.least {
         return None;
@@ -55,13 +55,15 @@ pub fn find(newest: &[f64], window: &AlarmWindow, p: &OnsetParameters) -> Option
     let step = step(&newest[..earliest], size, deviation)?;
     let ramp =
         if size.abs() >= p.large * deviation { ramp(newest, step, size, window, p) } else { None };
-    if let Some(Ramp { ago, slow }) = ramp {
-        let is_clear = !is_beside_another(newest, ago, longest, deviation, p);
-        return (!slow && is_clear).then_some(Onset { ago, size, beginning: Beginning::Ramp });
-    }
-    let is_named =
-        has_edge(newest, step, size, p) && !is_beside_another(newest, step, longest, deviation, p);
-    is_named.then_some(Onset { ago: step, size, beginning: Beginning::Step })
+    let onset = match ramp {
+        Some(Ramp { slow: true, .. }) => return None,
+        Some(Ramp { ago, .. }) => Onset { ago, size, beginning: Beginning::Ramp },
+        None if has_edge(newest, step, size, p) => {
+            Onset { ago: step, size, beginning: Beginning::Step }
+        }
+        None => return None,
+    };
+    (!is_beside_another(newest, &onset, window, p)).then_some(onset)
 }
 
 /// Median of the samples that the displacement is read from, m.
@@ -130,18 +132,22 @@ fn ramp(
     Some(Ramp { ago: departure, slow: speed < window.followed })
 }
 
-/// Whether another excursion ended or began shortly before the onset.
+/// Whether another excursion may hide the onset. One beside it has edges of its own. One that ended before may have ended the sooner for
+/// a fault of the other direction and of about its size, which then shows only when the excursion really ends.
 fn is_beside_another(
     newest: &[f64],
-    ago: usize,
-    longest: usize,
-    deviation: f64,
+    onset: &Onset,
+    window: &AlarmWindow,
     p: &OnsetParameters,
 ) -> bool {
-    let from = (ago + 1).min(newest.len());
+    let AlarmWindow { longest, deviation, .. } = *window;
+    let from = (onset.ago + 1).min(newest.len());
     let to = (from + longest + 5).min(newest.len());
     let far = |residual: f64| residual.abs() > p.another * deviation;
-    newest[from..to].windows(2).any(|pair| far(pair[0]) && far(pair[1]))
+    newest[from..to].windows(2).enumerate().any(|(distance, pair)| {
+        let sum = onset.size + 0.5 * (pair[0] + pair[1]);
+        far(pair[0]) && far(pair[1]) && (distance <= p.around || sum.abs() < p.departed * deviation)
+    })
 }
 
 /// Whether the samples after the onset are elsewhere than those before it; the one beside it belongs to neither.
@@ -191,18 +197,20 @@ mod tests {
 
     #[test]
     fn what_another_excursion_hides_has_no_onset() {
-        let fault = |k: usize| match k {
-            100.. => 1e-3,
-            88..96 => -4.4e-4,
-            _ => 0.0,
+        let with = |size: f64, excursion: std::ops::Range<usize>| {
+            let fault = move |k: usize| match k {
+                100.. => size,
+                _ if excursion.contains(&k) => -4.4e-4,
+                _ => 0.0,
+            };
+            find(&newest(fault), &window(28, 0), P)
         };
-        assert_eq!(find(&newest(fault), &window(28, 0), P), None);
-        let long_ago = |k: usize| match k {
-            100.. => 1e-3,
-            60..70 => -4.4e-4,
-            _ => 0.0,
-        };
-        assert!(find(&newest(long_ago), &window(28, 0), P).is_some());
+        // It ends just before; or ended as a fault of its own size began, which shows when it really ends.
+        assert_eq!(with(1e-3, 90..98), None);
+        assert_eq!(with(5e-4, 84..94), None);
+        // A fault of another size would have shown between them.
+        assert!(with(1e-3, 84..94).is_some() && with(-5e-4, 84..94).is_some());
+        assert!(with(5e-4, 60..70).is_some());
     }
 
     #[test]
