@@ -25,6 +25,7 @@ mod eds_canopen;
 mod eds_properties;
 mod encoders;
 mod estimate;
+mod fluctuating;
 mod frozen;
 mod hexapod;
 mod inject_properties;

@@ -1,6 +1,7 @@
 //! A monitor that takes up a saved state goes on as the one that saved it, whatever the frames were and wherever the
 //! cut is; and whatever a file has in it, it is refused or goes on without a panic.
 
+use crate::fluctuating::FLUCTUATING;
 use crate::process::TAUGHT;
 use crate::sequential_support::setup;
 use crc::{CRC_64_XZ, Crc};
@@ -127,6 +128,28 @@ fn a_tilting_deck_is_cut_anywhere() {
     let tilt = format!("{:?}", monitor.tilt());
     assert!(tilt.contains("since: Some") && tilt.contains("healthy: Some"), "{tilt}");
     cut(&design, &frames, 12, 3000);
+}
+
+/// Transducers that fluctuate, while nothing is wrong, and while one steps in an excursion of the other.
+#[test]
+fn a_machine_that_fluctuates_is_cut_anywhere() {
+    let setup = FLUCTUATING.without_process();
+    let faults = [
+        "step,size=0.0006,cylinder=2,sensor=c1,at=20",
+        "noise,size=0.0006,cylinder=5,sensor=c2,at=25",
+    ];
+    let mut simulator = setup.simulator(&setup.options(6, &faults.map(str::to_owned)));
+    let mut frames = Vec::new();
+    (0..1600).for_each(|_| simulator.step(&mut |frame| frames.push(frame.clone())));
+    let design = design::judging(&setup.settings, &setup.database).expect("they fit");
+    let (mut monitor, mut seen) = (Monitor::new(design.clone()), Collected::default());
+    let (before, after) = frames.split_at(frames.len() - 500);
+    before.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    for cylinder in [2, 5] {
+        assert!(seen.warnings.iter().any(|it| it.cylinder == cylinder), "{:?}", seen.warnings);
+    }
+    assert!(forge(&design, &monitor, after, 60) > 10);
+    cut(&design, &frames[frames.len() / 3..], 12, 3000);
 }
 
 /// Spool, pressures and supply that are judged, while nothing is wrong, while a cylinder has a fault and the supply falls

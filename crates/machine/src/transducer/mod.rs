@@ -255,11 +255,60 @@ mod tests {
         fluctuation: 0.0,
         fluctuation_probability: 0.0,
         fluctuation_time: 0.2,
+        fluctuation_spread: 0.0,
+        fluctuation_time_spread: 0.0,
         speed_noise: 0.0,
         speed_lag: 0.0,
         counts: 27648.0,
         range: [-1.5, 1.5],
     };
+
+    /// A fluctuation of four counts for ten readings, each of them by up to a half more or less.
+    #[test]
+    fn fluctuations_are_of_uneven_size_and_length() {
+        let common = Common {
+            fluctuation: 4.34e-4,
+            fluctuation_probability: 0.01,
+            fluctuation_spread: 0.5,
+            fluctuation_time_spread: 0.5,
+            ..QUIET
+        };
+        let errors = Errors {
+            offset: [0.0; CYLINDERS],
+            gain: [0.0; CYLINDERS],
+            bow: [0.0; CYLINDERS],
+            skew: [0.0; CYLINDERS],
+            ripple: Ripple::default(),
+            warming: Warming::default(),
+        };
+        let mut transducer = Transducer::new(&common, &errors, 0, 0.02);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let (mut sizes, mut lengths, mut lasting) = (Vec::new(), Vec::new(), 0_u32);
+        let mut before = 0.0;
+        for _ in 0..50_000 {
+            let shift = transducer.fluctuation(&mut rng);
+            if shift != before && lasting > 0 {
+                sizes.push(f64::abs(before));
+                lengths.push(lasting);
+            }
+            lasting = if shift == 0.0 {
+                0
+            } else if shift == before {
+                lasting + 1
+            } else {
+                1
+            };
+            before = shift;
+        }
+        let ends = |low: f64, high: f64, values: &[f64]| {
+            let [least, most] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+            least.is_some_and(|it| (low..1.1 * low).contains(&it))
+                && most.is_some_and(|it| (0.9 * high..=high).contains(&it))
+        };
+        assert!(sizes.len() > 300 && ends(2.17e-4, 6.51e-4, &sizes), "{}", sizes.len());
+        let lengths: Vec<f64> = lengths.into_iter().map(f64::from).collect();
+        assert!(ends(5.0, 15.0, &lengths));
+    }
 
     #[test]
     fn ripple_and_warming_are_in_the_length_that_is_read() {
