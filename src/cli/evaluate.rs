@@ -287,7 +287,7 @@ impl Evaluate {
             studies: asked.into_iter().filter_map(Studied::study).collect(),
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },
             cylinders: settings.machine.cylinders,
-            taught: taught(settings, tables),
+            taught: Grade::taught(settings, tables),
             lag: tables.valve.lag,
         })
     }
@@ -335,15 +335,6 @@ impl Evaluate {
         bar.finish();
         gathered.map(|()| gathering.finish(&settings.machine.name, &stand.monitors, block))
     }
-}
-
-/// Transducers that the sequential detectors of `settings` were taught; `None` where there are none.
-fn taught(settings: &Settings, tables: &Tables) -> Option<Grade> {
-    let fitted = (1..=settings.machine.cylinders).filter_map(|n| settings.sequential_of(n));
-    let resolution = fitted.map(|it| it.resolution[0].max(it.resolution[1])).reduce(f64::max)?;
-    let [low, high] = tables.transducer.range;
-    let is_coarse = resolution > 2.0 * (high - low) / tables.transducer.counts;
-    Some(if is_coarse { Grade::Coarse } else { Grade::Fine })
 }
 
 /// The diagonals of Q and R.

@@ -1,7 +1,7 @@
 //! What the event store has, as JSON: alarms, incidents and events, stops.
 
 use super::connections::Connection;
-use super::sending::{body, no_thread};
+use super::sending::{body, no_place, no_thread};
 use super::{Shared, json};
 use crate::alarm::Level;
 use crate::alarm::status::Mode;
@@ -158,7 +158,7 @@ pub(super) async fn file(
     };
     let place = match shared.places.exports.place(&connection) {
         Ok(place) => place,
-        Err(refusal) => return refusal,
+        Err(refusal) => return no_place(refusal),
     };
     let now = shared.clock.system();
     let headers = [

@@ -1,7 +1,7 @@
 //! The recordings of the flight recorder, to be taken away.
 
 use super::connections::Connection;
-use super::sending::{body, no_thread};
+use super::sending::{body, no_place, no_thread};
 use super::{Shared, json};
 use axum::Extension;
 use axum::extract::{Path, State};
@@ -90,7 +90,7 @@ pub(super) async fn archive(
     }
     let place = match shared.places.recordings.place(&connection) {
         Ok(place) => place,
-        Err(refusal) => return refusal,
+        Err(refusal) => return no_place(refusal),
     };
     let own = name.to_owned();
     let body = match body(&connection, place, move |out| pack(out, &own, &path)) {

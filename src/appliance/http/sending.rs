@@ -47,19 +47,19 @@ impl Taken {
     /// A place for who asks by `connection`.
     ///
     /// # Errors
-    /// The answer where all places are taken, or all that its address may have.
-    pub fn place(self: &Arc<Self>, connection: &Connection) -> Result<Place, Response> {
+    /// The reason where all places are taken, or all that its address may have.
+    pub fn place(self: &Arc<Self>, connection: &Connection) -> Result<Place, &'static str> {
         let by = connection.network();
         let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if taken.len() >= DOWNLOADS {
-            return Err(no_place(
+            return Err(
                 "as much is being downloaded as can be at once; try again when a download has ended\n",
-            ));
+            );
         }
         if taken.iter().filter(|it| **it == by).count() >= share(DOWNLOADS) {
-            return Err(no_place(
+            return Err(
                 "your address is downloading as much as one may at once; try again when that has ended\n",
-            ));
+            );
         }
         taken.push(by);
         Ok(Place { of: Arc::clone(self), by })

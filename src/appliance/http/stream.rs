@@ -36,21 +36,19 @@ impl Audience {
     /// Adds who watches on `connection`.
     ///
     /// # Errors
-    /// The answer if there are too many, in all or at its address.
-    fn join(&self, connection: Arc<Connection>) -> Result<Receiver<Bytes>, Response> {
+    /// The reason if there are too many, in all or at its address.
+    fn join(&self, connection: Arc<Connection>) -> Result<Receiver<Bytes>, &'static str> {
         let mut watchers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         watchers.retain(|watcher| !watcher.events.is_closed());
         if watchers.len() >= MOST_WATCHERS {
-            return Err(no_place(
-                "as many watch as can be served; close another window of this page\n",
-            ));
+            return Err("as many watch as can be served; close another window of this page\n");
         }
         let by = connection.network();
         let own = watchers.iter().filter(|watcher| watcher.connection.network() == by);
         if own.count() >= share(MOST_WATCHERS) {
-            return Err(no_place(
+            return Err(
                 "as many watch from your address as may at once; close another window of this page\n",
-            ));
+            );
         }
         let (events, receiver) = channel(WAITING);
         connection.becomes_stream();
@@ -109,7 +107,7 @@ pub(super) async fn stream(
 ) -> Response {
     let events = match shared.audience.join(Arc::clone(&connection)) {
         Ok(events) => events,
-        Err(refusal) => return refusal,
+        Err(refusal) => return no_place(refusal),
     };
     let headers = [(CONTENT_TYPE, "text/event-stream"), (CACHE_CONTROL, "no-store")];
     (headers, Body::new(Pieces::of(events, connection))).into_response()

@@ -4,7 +4,7 @@ use super::stages::Taught;
 use tertius_core::sequential::Reference;
 use tertius_core::sequential::reference::LARGEST_DOUBT;
 use tertius_core::sequential::wild::Outliers;
-use tertius_learn::calibrate::LEAST_BOUND;
+use tertius_learn::calibrate::{CylinderCalibration, LEAST_BOUND};
 use tertius_learn::extremes::{HOURS_PER_YEAR, four_digits, times};
 use tertius_learn::tables::cylinders::cylinders;
 use tertius_learn::tables::tuning::length;
@@ -127,7 +127,11 @@ fn levels(taught: &Taught) -> Option<String> {
     let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
     let leasts = cylinders.clone().filter_map(|it| Some(it.sequential.as_ref()?.1.outliers));
     let least = leasts.map(Outliers::least_level).reduce(f64::max)?;
-    let cylinders = cylinders.filter(|it| it.sequential.is_some());
+    // Where transducers fluctuate the level is that of the wanted rate, and not the recording's.
+    let by_tail = |it: &&CylinderCalibration| {
+        it.sequential.as_ref().is_some_and(|(_, scatter)| scatter.excursions.is_none())
+    };
+    let cylinders = cylinders.filter(by_tail);
     let raised: Vec<String> = cylinders
         .filter_map(|it| Some((it.number, it.level.filter(|level| *level > WORTH * least)?)))
         .map(|(number, level)| format!("{level:.1} nats of cylinder {number}"))

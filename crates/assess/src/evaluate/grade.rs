@@ -1,6 +1,7 @@
 //! Resolution of the transducers.
 
 use serde::Serialize;
+use tertius_config::Settings;
 use tertius_machine::simulator::Tables;
 
 /// A grade of transducers.
@@ -27,6 +28,17 @@ impl Grade {
             Self::Fine => "fine",
             Self::Coarse => "coarse",
         }
+    }
+
+    /// That of the transducers which the sequential detectors of `settings` were taught, on the machine of `tables`; `None` where there are
+    /// no such detectors.
+    pub fn taught(settings: &Settings, tables: &Tables) -> Option<Self> {
+        let fitted = (1..=settings.machine.cylinders).filter_map(|n| settings.sequential_of(n));
+        let resolution =
+            fitted.map(|it| it.resolution[0].max(it.resolution[1])).reduce(f64::max)?;
+        let [low, high] = tables.transducer.range;
+        let is_coarse = resolution > 0.5 * COUNTS * (high - low) / tables.transducer.counts;
+        Some(if is_coarse { Self::Coarse } else { Self::Fine })
     }
 
     /// The machine of `tables` with transducers of this grade.

@@ -1,7 +1,7 @@
 //! Excursions of transducers that fluctuate, gathered in the pass over the residuals, and the limits that follow.
 
 use crate::excursions::{
-    CoreNoise, CylinderPopulation, HealthyCylinder, LimitLevels, LimitTable, MachineLaw,
+    CoreNoise, CylinderPopulation, Excursion, HealthyCylinder, LimitLevels, LimitTable, MachineLaw,
     Population, Segment, Segmentation, SmallestStep, Summary,
 };
 use tertius_config::settings::CylinderExcursions;
@@ -23,6 +23,13 @@ const SPEEDS: usize = 64;
 /// Part of the time that is the fastest.
 const FASTEST: f64 = 0.1;
 
+/// A longer stretch is no excursion of a sound transducer, s. One of the thesis's lasts 0.2 s; a step of 1 mm for 4 s that comes again and
+/// again is a fault.
+const LONGEST: f64 = 1.0;
+
+/// A larger one is none either, m: what the thesis's thresholds find is a fault.
+const LARGEST: f64 = 1e-3;
+
 /// Judged time of a cylinder that tells how often it fluctuates, s.
 const ENOUGH: f64 = 300.0;
 
@@ -41,6 +48,8 @@ pub(super) struct GatheredExcursions {
 struct Found {
     noise: Noise,
     resolution: f64,
+    /// s.
+    sample_time: f64,
     population: CylinderPopulation,
     /// Residuals outside of excursions, weighted to the scatter at rest, by bins.
     weighted: Vec<u64>,
@@ -89,13 +98,14 @@ impl LearntExcursions {
 }
 
 impl GatheredExcursions {
-    /// For residuals with this `noise`, and readings of these resolutions, m.
-    pub(super) fn new(noise: Noise, [c1, c2]: [f64; 2]) -> Self {
+    /// For residuals with this `noise`, and readings of these resolutions, m, every `sample_time` seconds.
+    pub(super) fn new(noise: Noise, [c1, c2]: [f64; 2], sample_time: f64) -> Self {
         Self {
             segmentation: Segmentation::new(noise.rest, noise.timing),
             found: Found {
                 noise,
                 resolution: c1.max(c2),
+                sample_time,
                 population: CylinderPopulation::default(),
                 weighted: vec![0; BINS],
                 by_speed: vec![vec![0; BINS]; SPEEDS],
@@ -119,7 +129,15 @@ impl GatheredExcursions {
 
 impl Found {
     fn take(&mut self, segment: &Segment) {
-        self.population.take(segment);
+        match segment {
+            Segment::Excursion(one) if !self.is_sound(one) => {
+                self.population.take(&Segment::Unexplained { samples: one.length });
+            }
+            Segment::Overlap(both) if !both.iter().all(|one| self.is_sound(one)) => {
+                both.iter().for_each(|one| self.take(&Segment::Excursion(*one)));
+            }
+            _ => self.population.take(segment),
+        }
         if let Segment::Core { residual, velocity } = segment {
             let bin = |residual: f64| ((residual.abs() / BIN) as usize).min(BINS - 1);
             let class = ((velocity.abs() / SPEED) as usize).min(SPEEDS - 1);
@@ -127,6 +145,11 @@ impl Found {
             self.by_speed[class][bin(*residual)] += 1;
             self.squares += velocity * velocity;
         }
+    }
+
+    /// Whether a sound transducer has such an excursion.
+    fn is_sound(&self, excursion: &Excursion) -> bool {
+        f64::from(excursion.length) * self.sample_time <= LONGEST && excursion.size <= LARGEST
     }
 
     /// Counts of the residuals of the fastest part of the time.

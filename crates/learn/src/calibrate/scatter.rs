@@ -158,7 +158,7 @@ impl Scattering {
                 measuring: vec![Measuring::default(); division.lots()],
                 division: division.clone(),
                 predicting: Predicting::default(),
-                excursions: GatheredExcursions::new(noise.relied_on(), resolution),
+                excursions: GatheredExcursions::new(noise.relied_on(), resolution, sample_time),
             }
         };
         Self { cylinders: cylinders.into_iter().map(|all| all.map(judged)).collect() }
