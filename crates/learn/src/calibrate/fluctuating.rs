@@ -30,7 +30,7 @@ const LONGEST: f64 = 1.0;
 /// A larger one is none either, m: what the thesis's thresholds find is a fault.
 const LARGEST: f64 = 1e-3;
 
-/// Judged time of a cylinder that tells how often it fluctuates, s.
+/// Judged time of a cylinder from which its rate of excursions can be learnt, s: 15 of them, where there are 0.05 a second.
 const ENOUGH: f64 = 300.0;
 
 /// Readings of a coarser resolution, m, show excursions that are none: where a rod is slow, rounding is alike from sample to sample. It is
@@ -59,7 +59,7 @@ struct Found {
     squares: f64,
 }
 
-/// What was learnt of the excursions of one cylinder.
+/// The learnt excursions of one cylinder, and their limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearntExcursions {
     pub limits: ExcursionLimits,
@@ -120,7 +120,7 @@ impl GatheredExcursions {
         segmentation.push(residual, velocity, |segment| found.take(&segment));
     }
 
-    /// What was before says nothing of what comes.
+    /// Takes a gap: an excursion does not go on across it.
     pub(super) fn interrupt(&mut self) {
         let Self { segmentation, found } = self;
         segmentation.interrupt(|segment| found.take(&segment));

@@ -1,10 +1,10 @@
 //! Excursions that touch each other by chance, and look like one long or one large excursion.
 //!
-//! Whoever computes with the law chains excursions by itself. If a chain in the recording were taken
+//! The limits are computed with chains of excursions. If a chain in the recording were taken
 //! for one excursion, it would be chained again, and a chance of the recording be learnt as a length.
 
-use super::incomplete_gamma::poisson_quantile;
 use super::order_statistics::quantile;
+use super::quantiles::poisson_quantile;
 
 /// Samples by which excursions may be apart, or overlap, and still be found as one.
 const TOUCHING: f64 = 3.0;
@@ -73,7 +73,7 @@ pub(super) fn half_sizes(size: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Two on each other's end are 20 samples: they become two of 10 as long as so many are expected.
+    /// Two on each other's end are 20 samples: they become two of 10 if two are expected to meet.
     #[test]
     fn chains_become_two_as_far_as_they_are_expected() {
         let mut lengths = vec![10.0; 270];

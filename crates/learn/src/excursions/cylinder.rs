@@ -1,7 +1,7 @@
-//! What was found of one cylinder's difference.
+//! Excursions in the difference of one cylinder, with the time that they are counted in.
 
 use super::excursion::Excursion;
-use super::incomplete_gamma::poisson_quantile;
+use super::quantiles::poisson_quantile;
 use super::segment::Segment;
 use super::speeds::SpeedTimes;
 
@@ -37,8 +37,6 @@ pub struct CylinderPopulation {
     unexplained: u64,
     /// Number of excursions of unknown length: down, up.
     cut: [u64; 2],
-    /// Number of candidates that are too long for an excursion.
-    overlong: u64,
     /// Number of pairs of excursions that overlap.
     overlaps: u64,
     /// Number of excursions found, those that are not kept included.
@@ -64,7 +62,7 @@ impl CylinderPopulation {
                 self.overlaps += 1;
             }
             Segment::Cut { positive } => self.cut[usize::from(*positive)] += 1,
-            Segment::Overlong { .. } => self.overlong += 1,
+            Segment::Overlong { .. } => {}
             Segment::Unexplained { samples } => self.unexplained += u64::from(*samples),
         }
     }
@@ -81,7 +79,7 @@ impl CylinderPopulation {
         }
     }
 
-    /// Excursions in the order in which they were found, [`MOST_EXCURSIONS`] at most.
+    /// Excursions in the order in which they were found, `MOST_EXCURSIONS` at most.
     pub fn excursions(&self) -> &[Excursion] {
         &self.excursions
     }
@@ -109,11 +107,6 @@ impl CylinderPopulation {
     /// Number of excursions within which the stream began or ended: down, up.
     pub const fn cut(&self) -> [u64; 2] {
         self.cut
-    }
-
-    /// Number of stretches that were off for too long to be an excursion.
-    pub const fn overlong(&self) -> u64 {
-        self.overlong
     }
 
     /// Number of pairs of excursions that overlap.

@@ -5,8 +5,8 @@
 pub struct Excursion {
     /// Place of the first sample, counted in judged samples from 0.
     pub at: u64,
-    /// Magnitude, m: the mean of its samples less one standard error, because whoever computes with
-    /// it adds the noise again.
+    /// Magnitude, m: the mean of its samples less one standard error, because the computation of limits
+    /// adds the noise again.
     pub size: f64,
     /// Length, samples.
     pub length: u32,

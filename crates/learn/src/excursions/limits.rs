@@ -6,9 +6,10 @@
 use super::law::Law;
 use super::noise::CoreNoise;
 use super::renewal::MAX_WIDTH;
-use super::runs::{BOXES, RunLimits, STRAYS, boxes};
+use super::runs::{RunLimits, boxes};
 use super::sums::{SumLimits, clips};
 use super::survival::Survival;
+use tertius_core::sequential::excursions::{BOXES, STRAYS};
 
 /// Largest deviation and size that are taken, m: longer than any stroke. A larger one is an error of the input.
 const MAX_LENGTH: f64 = 10.0;
@@ -101,7 +102,7 @@ pub struct SmallestStep {
 }
 
 impl LimitTable {
-    /// The limits of `healthy` at these levels, for windows of these `widths`, samples. Windows wider than [`MAX_WIDTH`] have
+    /// The limits of `healthy` at these levels, for windows of these `widths`, samples. Windows wider than `MAX_WIDTH` have
     /// limits that nothing reaches.
     pub fn of(healthy: &HealthyCylinder, levels: &LimitLevels, widths: &[usize]) -> Self {
         Self::compute(healthy, levels, widths, true)

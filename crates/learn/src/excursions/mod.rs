@@ -5,7 +5,7 @@
 //!
 //! - [`Segmentation`] divides the stream of one cylinder's difference into excursions, wild samples and core.
 //! - [`CylinderPopulation`] collects what it finds of one cylinder.
-//! - [`Population`] pools the cylinders of a machine and makes each one's [`Law`]; [`Summary`] is for a report.
+//! - [`Population`] pools the cylinders of a machine and makes each one's `Law`; [`Summary`] is for a report.
 //!
 //! All of it is counts, order statistics and sums of counts: files in another order give the same law.
 
@@ -14,13 +14,13 @@ mod candidate;
 mod chains;
 mod cylinder;
 mod excursion;
-mod incomplete_gamma;
 mod law;
 mod limits;
 mod noise;
 mod order_statistics;
 mod plateaus;
 mod population;
+mod quantiles;
 mod renewal;
 mod runs;
 mod segment;
@@ -34,13 +34,11 @@ mod survival;
 #[cfg(test)]
 mod tests;
 
-pub use cylinder::{CylinderPopulation, MOST_EXCURSIONS};
+pub use cylinder::CylinderPopulation;
 pub use excursion::Excursion;
-pub use incomplete_gamma::{gamma_quantile, poisson_quantile};
-pub use law::{Atom, Law};
 pub use limits::{HealthyCylinder, LimitLevels, LimitTable, SmallestStep};
 pub use noise::CoreNoise;
 pub use population::{MachineLaw, Population};
 pub use segment::Segment;
-pub use segmentation::{LONGEST_CANDIDATE, MOST_DELAY, Segmentation};
-pub use summary::{Coincidences, Frequency, Summary};
+pub use segmentation::Segmentation;
+pub use summary::Summary;

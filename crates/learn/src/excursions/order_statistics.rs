@@ -3,7 +3,7 @@
 /// Largest numbers, one part in this many, from whose mean excess a tail follows.
 const TAIL_PART: usize = 5;
 
-/// Up to so many numbers the mean excess of the largest fifth says nothing.
+/// Of fewer numbers the largest fifth is one, and has no mean excess.
 const FEW: usize = 5;
 
 /// Mean excess of so few, as a part of the largest.

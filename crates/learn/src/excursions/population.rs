@@ -10,9 +10,9 @@ use super::chains::{
 };
 use super::cylinder::CylinderPopulation;
 use super::excursion::Excursion;
-use super::incomplete_gamma::gamma_quantile;
 use super::law::Law;
 use super::order_statistics::quantile;
+use super::quantiles::gamma_quantile;
 use super::speeds::CLASSES;
 
 /// Excursions of a machine below which only the plain ones are kept: a few may be wild samples side
@@ -210,7 +210,7 @@ fn clustering<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::incomplete_gamma::poisson_quantile;
+    use super::super::quantiles::poisson_quantile;
     use super::super::segment::Segment;
     use super::super::summary::Summary;
     use super::*;
@@ -343,7 +343,7 @@ mod tests {
         assert_eq!(population.lengths, [10.0; 20]);
     }
 
-    /// Chains: an entry of 20 samples becomes two of 10 as long as so many are expected.
+    /// Chains: an entry of 20 samples becomes two of 10 if two are expected to meet.
     #[test]
     fn a_chain_is_not_a_length() {
         let mut all = both(25, 25);

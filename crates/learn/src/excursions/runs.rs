@@ -6,17 +6,11 @@
 use super::law::Law;
 use super::noise::{CoreNoise, Cumulative};
 use super::survival::{Survival, overlapping};
-
-/// Number of boxes.
-pub const BOXES: usize = 13;
-
-/// Number of samples outside of the box that a run may contain, and none.
-pub const STRAYS: usize = 3;
+use tertius_core::sequential::ExcursionLimits;
+use tertius_core::sequential::excursions::{BOXES, STRAYS};
 
 /// Lower end of the first box, m: above the smallest excursions.
 const FIRST: f64 = 0.28e-3;
-/// Distance of the boxes, m.
-const SPACING: f64 = 0.125e-3;
 /// Deviations by which the first box is above the noise.
 const ABOVE_NOISE: f64 = 3.3;
 /// Noise for which the first box is at [`FIRST`], m: 3.3 deviations.
@@ -38,12 +32,9 @@ const LENGTHS: std::ops::RangeInclusive<usize> = 4..=250;
 /// The boxes' lower and upper ends, m, for residuals of this deviation, m: a residual in a box is above the lower one and not
 /// above the upper one. The last box has no upper end, and without excursions none has.
 pub fn boxes(deviation: f64, excursions: bool) -> [[f64; 2]; BOXES] {
-    std::array::from_fn(|level| {
-        let above = (ABOVE_NOISE * deviation - USUAL_NOISE).max(0.0);
-        let low = FIRST + SPACING * level as f64 + above;
-        let open = !excursions || level + 1 == BOXES;
-        [low, if open { f64::INFINITY } else { low + WIDTH * deviation }]
-    })
+    let above = (ABOVE_NOISE * deviation - USUAL_NOISE).max(0.0);
+    let width = if excursions { WIDTH * deviation } else { f64::INFINITY };
+    ExcursionLimits::boxes(FIRST + above, width)
 }
 
 /// What fills a box in health.

@@ -17,7 +17,7 @@ pub enum Segment {
     Overlap([Excursion; 2]),
     /// An excursion of unknown length, since the stream begins or ends within it.
     Cut { positive: bool },
-    /// A candidate of more samples than [`LONGEST_CANDIDATE`](super::LONGEST_CANDIDATE): no excursion.
+    /// A candidate of more samples than `LONGEST_CANDIDATE`: no excursion.
     Overlong { samples: u64 },
     /// A candidate in which nothing counts, as where a profile is off in one place.
     Unexplained { samples: u32 },

@@ -33,9 +33,6 @@ const RING: u64 = LONGEST_CANDIDATE + 2 * BESIDE as u64 + JOINED + WIDEST;
 // that only a gap lets what is looked at end with the newest sample.
 const _: () = assert!(1 + (BESIDE as u64) < JOINED + WIDEST);
 
-/// Samples by which a result is late at most: a candidate is judged when it has ended.
-pub const MOST_DELAY: u64 = LONGEST_CANDIDATE + JOINED + WIDEST;
-
 /// Largest residual and speed that are believed, m and m/s; beyond, sums would not stay finite.
 const LARGEST: f64 = 1e3;
 
@@ -229,6 +226,9 @@ impl Segmentation {
 mod tests {
     use super::super::excursion::Excursion;
     use super::*;
+
+    /// Samples by which a result is late at most: a candidate is judged when it has ended.
+    const MOST_DELAY: u64 = LONGEST_CANDIDATE + JOINED + WIDEST;
 
     fn segments(residuals: &[f64]) -> Vec<Segment> {
         let mut segmentation = Segmentation::new(5e-5, 0.0);

@@ -1,6 +1,8 @@
 //! Tests of segmentation and law on simulated transducers: noise, rounding, and excursions that are
 //! known.
 
+use super::law::Law;
+use super::summary::Coincidences;
 use super::*;
 
 /// Counts of both readings, m.

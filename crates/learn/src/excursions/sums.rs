@@ -7,6 +7,7 @@
 use super::noise::CoreNoise;
 use super::renewal::log_moments;
 use super::survival::Survival;
+use tertius_core::sequential::excursions::OFF;
 
 /// Ends of the first clip, m, and deviations at which it is between them.
 const CLIP: [f64; 2] = [0.25e-3, 0.6e-3];
@@ -19,7 +20,7 @@ const THIRD_DEVIATIONS: f64 = 3.5;
 /// Least third clip, and the second one without excursions, m.
 const WIDE_CLIP: f64 = 1.25e-3;
 
-/// Displacements, m, that are no fault, for windows up to so many samples: profile and baseline follow the rod, the more the
+/// Displacements, m, that are no fault, for windows up to these numbers of samples: profile and baseline follow the rod, the more the
 /// longer it takes.
 const DEAD_BANDS: [(usize, f64); 4] =
     [(8, 0.01e-3), (24, 0.02e-3), (64, 0.05e-3), (usize::MAX, 0.1e-3)];
@@ -28,9 +29,6 @@ const DEAD_BANDS: [(usize, f64); 4] =
 const LEAST_WILD: f64 = 0.01;
 /// Wild samples that are allowed for over those that were measured.
 const WILD_FACTOR: f64 = 2.0;
-
-/// Deviations from which a sample is off, and from which a difference of two is.
-const OFF: f64 = 3.0;
 
 /// Ends and number of the θ that are tried, in geometric order: 1/mm for sums and 1/mm² for squares.
 const TILTS: ([f64; 2], usize) = ([0.02, 150.0], 70);

@@ -9,7 +9,7 @@ use super::law::Law;
 const OVERLAP_SPACING: f64 = 0.05e-3;
 /// Part of this distance that the rounding of numbers may add.
 const ROUNDING: f64 = 1e-6;
-/// Lengths of overlaps are rounded up by less than one part in so many, so that there are some tens of them.
+/// Lengths of overlaps are rounded up by less than a part of 1 / this, so that there are some tens of them.
 const OVERLAP_PARTS: usize = 8;
 
 /// Distribution of the lengths, for each size that occurs.

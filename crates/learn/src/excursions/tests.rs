@@ -4,13 +4,11 @@ use super::law::{Atom, Law};
 use super::limits::{HealthyCylinder, LimitLevels, LimitTable, SmallestStep};
 use super::noise::CoreNoise;
 use super::renewal::log_moments;
-use super::runs::{BOXES, RunLimits, boxes};
+use super::runs::{RunLimits, boxes};
 use super::sums::{SumLimits, clips};
 use super::survival::Survival;
-
-/// The widths of the program, samples.
-const WIDTHS: [usize; 20] =
-    [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024];
+use tertius_core::sequential::excursions::BOXES;
+use tertius_core::sequential::windows::WIDTHS;
 
 /// Levels of the figures, nats.
 const LEVELS: LimitLevels = LimitLevels { sums: 20.0, wide_clips: 24.5, runs: 24.0 };

@@ -119,9 +119,10 @@ fn excursions_table(table: &CylinderExcursions) -> String {
         elsewhere,
     } = table;
     format!(
-        "\n[cylinder.sequential.excursions]\nlevel = {level:?}\nrate = {:?}\nsize = {size:e}\nlongest = {longest}\n\
+        "\n[cylinder.sequential.excursions]\nlevel = {:?}\nrate = {:?}\nsize = {size:e}\nlongest = {longest}\n\
          first_box = {first_box:e}\nbox_width = {box_width:e}\nruns = {runs:?}\nclips = {}\nsums = {}\nsquares = {}\n\
          elsewhere = {}\n",
+        four_digits(*level),
         four_digits(*rate),
         six(clips),
         six(sums),
