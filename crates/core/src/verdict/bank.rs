@@ -61,8 +61,8 @@ pub struct Bank {
     observed: [ResidualHistory<LONGEST_WINDOW>; 2],
     difference: ResidualHistory<LONGEST_DIFFERENCES>,
     found: [Option<Found>; 3],
-    /// Whether R1 or R2 was raised by joint evidence, and has not exceeded δ_h since.
-    by_joint: [bool; 2],
+    /// Whether an FDE was raised by joint evidence, and its residual has not exceeded δ_h since; never FDE3.
+    by_joint: [bool; 3],
     /// `None` where C1 and C2 are calibrated.
     unaligned: Option<Unaligned>,
     /// Whether any FDE has found a fault.
@@ -101,7 +101,7 @@ impl Bank {
             observed: [ResidualHistory::default(), ResidualHistory::default()],
             difference: ResidualHistory::default(),
             found: [None; 3],
-            by_joint: [false; 2],
+            by_joint: [false; 3],
             unaligned: (!design.calibrated).then(|| {
                 let VerdictParameters { stood, gain, .. } = *design.parameters;
                 Unaligned::new(design.difference, stood, gain)
@@ -127,10 +127,12 @@ impl Bank {
     ) {
         let joint = jump.and_then(|jump| self.joint(residuals, jump));
         for (i, residual) in residuals.r.iter().enumerate() {
-            self.verdicts[i] = self.triggers[i].judge(at, *residual);
+            let trigger = &mut self.triggers[i];
+            self.verdicts[i] = trigger.judge(at, *residual);
             if joint == Some(i) {
-                self.by_joint[i] |= self.triggers[i].raised().is_none();
-                self.verdicts[i] = self.triggers[i].raise(at);
+                let by_itself = residual.is_some_and(|it| it.abs() > trigger.thresholds().high);
+                self.by_joint[i] = !by_itself && (self.by_joint[i] || trigger.raised().is_none());
+                self.verdicts[i] = trigger.raise(at);
             }
             if let Some(residual) = *residual {
                 self.newest[i] = residual;
@@ -193,13 +195,12 @@ impl Bank {
     /// Present detections of FDE1, FDE2 and FDE3.
     pub fn detections(&self) -> [Option<Detection>; 3] {
         core::array::from_fn(|i| {
-            let by_joint = self.by_joint.get(i).is_some_and(|it| *it);
             let high = self.triggers[i].thresholds().high;
             self.found[i].map(|found| Detection {
                 fault: found.fault,
                 suspect: found.suspect,
                 residual: self.newest[i],
-                threshold: if by_joint { self.joint } else { high },
+                threshold: if self.by_joint[i] { self.joint } else { high },
             })
         })
     }
@@ -220,9 +221,7 @@ impl Bank {
         for i in 0..3 {
             let Some(mut raise) = self.triggers[i].raised() else {
                 self.found[i] = None;
-                if let Some(by_joint) = self.by_joint.get_mut(i) {
-                    *by_joint = false;
-                }
+                self.by_joint[i] = false;
                 continue;
             };
             if let Some(unaligned) = self.unaligned().filter(|_| i == FDE3) {
@@ -359,6 +358,19 @@ mod tests {
             }
             assert_eq!(bank.detections(), [None; 3]);
         }
+    }
+
+    #[test]
+    fn a_residual_beyond_its_own_threshold_is_reported_with_that() {
+        let mut bank = bank_with(4e-3, 1e-3);
+        let mut judge = |cycle: i64, own: f64| {
+            let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
+            let jump = Some(Jump { apart: own, change: own });
+            bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
+            bank.detections()[0].map(|it| it.threshold)
+        };
+        assert_eq!([judge(0, 0.5e-3), judge(1, 1.2e-3)], [None, Some(1e-3)]);
+        assert_eq!([judge(2, 5e-3), judge(3, 1.2e-3)], [Some(4e-3); 2]);
     }
 
     /// C1 was faulty when the bus was lost; when it came back C2 was, with the same difference.

@@ -1,4 +1,4 @@
-//! Whose a displacement is that has outlasted healthy excursions: by its onset, which may be a second ago.
+//! Which transducer a displacement belongs to that has outlasted healthy excursions: read at its onset, up to a second ago.
 
 use super::Sequential;
 use super::alarmed::decide;
@@ -7,12 +7,13 @@ use crate::sequential::excursions::{AlarmWindow, Beginning, find};
 use crate::verdict::{Fault, Suspect, Testimony};
 
 impl Sequential {
-    /// Compares the readings at the onset of `alarm` while it is new and suspects nobody.
+    /// Compares the readings at the onset of a new `alarm` that has no suspect yet.
     pub(super) fn locate(&self, alarm: &mut Alarm) {
         let (Some(limits), Some(pair)) = (&self.design.excursions, &self.pair) else { return };
         let p = &self.design.parameters.onset;
         let age = alarm.age as usize;
         let [from_onset, from_alarm] = p.looked_at;
+        // A few samples after the onset do not tell, and later ones only settle the size.
         let is_over = age > from_alarm || (age > p.after && age + alarm.back > from_onset);
         let is_new = alarm.cause == Cause::Mean && !is_over && !alarm.of_timing;
         if !is_new || alarm.suspect != Suspect::Undecided || alarm.fault == Fault::Noise {

@@ -3,17 +3,17 @@
 //! A healthy transducer may now and then be some counts off for a fraction of a second (thesis, Figure 5-9). C1 − C2 is then
 //! noise and the excursions of two renewal processes, one on each transducer. Samples within an excursion are alike, so
 //! that a window as long as one is worth hardly more than a sample ([`super::dependence`]). But a transducer is in one excursion
-//! at a time, and two at once are rare, and an excursion ends. How long C1 − C2 may stand off ([`runs`]) and how large its sums
-//! may become ([`sums`]) follows from the rate, the sizes and the lengths of the excursions that a recording has shown, by
+//! at a time, and two at once are rare, and an excursion ends. How long C1 − C2 may stand off (`runs`) and how large its sums
+//! may become (`sums`) follows from the rate, the sizes and the lengths of the excursions that a recording has shown, by
 //! computation. What exceeds such a limit is a fault.
 
 mod onset;
 mod runs;
 mod sums;
 
-pub use onset::{AlarmWindow, Beginning, Onset, find, student};
+pub use onset::{AlarmWindow, Beginning, Onset, displaced, find, student};
 pub use runs::{BOXES, STRAYS};
-pub use sums::CLIPS;
+pub use sums::{CLIPS, OFF};
 
 use super::samples::Sample;
 use super::statistic::{Peak, larger};
@@ -206,5 +206,13 @@ mod tests {
         };
         assert!(largest(0.11e-3) == 0.0 && largest(-0.11e-3) == 0.0);
         assert!(largest(0.6e-3) > 23.0 && largest(-0.6e-3) > 23.0);
+        // What is left of 0.5 mm is 0.5 − (0.15 − 0.03) mm.
+        let mut excursions = [Excursions::new(&limits), Excursions::new(&limits)];
+        for _ in 0..40 {
+            let [doubted, sure] = excursions.each_mut();
+            let doubted = doubted.step(&doubtful(-0.5e-3), WIDTHS[19])[0];
+            let sure = sure.step(&Sample::at_rest(-0.38e-3), WIDTHS[19])[0];
+            assert!((doubted.nats - sure.nats).abs() < 1e-9, "{doubted:?} {sure:?}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Where C1 − C2 left its healthy level.
 //!
-//! An alarm comes when a displacement has outlasted what is healthy, up to a second after its begin. Whose it is shows at its begin:
-//! there one of both readings has left the way that commands and readings before predict.
+//! An alarm is raised when a displacement has outlasted healthy excursions, up to a second after its onset. Only the onset shows which
+//! transducer is faulty: there one of the readings departs from the course that commands and earlier readings predict.
 
 use crate::sequential::parameters::OnsetParameters;
 use crate::sequential::samples::NEWEST;
@@ -83,13 +83,17 @@ fn size(newest: &[f64], window: &AlarmWindow, p: &OnsetParameters) -> Option<f64
 fn step(newest: &[f64], size: f64, deviation: f64) -> Option<usize> {
     let (mut best, mut ago, mut sum) = (0.0, None, 0.0);
     for (count, residual) in (1..).zip(newest) {
-        sum +=
-            student(residual - size, deviation, FREEDOM) - student(*residual, deviation, FREEDOM);
+        sum += displaced(*residual, size, deviation);
         if sum > best {
             (best, ago) = (sum, Some(count));
         }
     }
     ago.filter(|ago| *ago < newest.len())
+}
+
+/// How much more likely a `size` makes a residual than none, nats, where residuals have this `deviation`, m.
+pub fn displaced(residual: f64, size: f64, deviation: f64) -> f64 {
+    student(residual - size, deviation, FREEDOM) - student(residual, deviation, FREEDOM)
 }
 
 struct Ramp {
@@ -110,7 +114,7 @@ fn ramp(
     let from = step.min(newest.len());
     let quiet = (from.saturating_sub(1)..newest.len().saturating_sub(1))
         .find(|at| healthy(*at) && healthy(at + 1))?;
-    // So many samples came since.
+    // Samples are counted from 1, and the quiet ones are before the departure.
     let departure = quiet;
     if departure <= from {
         return None;
@@ -159,7 +163,7 @@ fn has_edge(newest: &[f64], ago: usize, size: f64, p: &OnsetParameters) -> bool 
     !before.is_empty() && (mean(after) - mean(before)) * size.signum() > p.edge * size.abs()
 }
 
-/// The log-density of Student's t of so many degrees of freedom and this scale, but for a constant.
+/// The log-density of Student's t with `freedom` degrees of freedom and this `scale`, but for a constant.
 pub fn student(error: f64, scale: f64, freedom: f64) -> f64 {
     let x = error / scale;
     -0.5 * (freedom + 1.0) * libm::log1p(x * x / freedom)
@@ -214,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fast_ramp_begins_where_it_departs_and_a_slow_one_is_nobodys() {
+    fn a_fast_ramp_begins_where_it_departs_and_a_slow_one_has_no_onset() {
         let ramp = |speed: f64| move |k: usize| speed * 0.02 * (k as f64 - 90.0).max(0.0);
         let fast = find(&newest(ramp(0.03)), &window(20, 0), P).expect("it is fast");
         assert_eq!(fast.beginning, Beginning::Ramp);

@@ -10,10 +10,10 @@ pub const CLIPS: usize = 3;
 /// Values that are summed: the residual by each clip, its square, and whether it is off and elsewhere than the one before.
 const VALUES: usize = CLIPS + 2;
 
-/// So many windows, up to 16 samples, are looked at with every sample, …
+/// Number of windows that are compared with every sample: those of up to 16 samples.
 const NARROW: usize = 8;
 
-/// … and wider ones every so many, as in [`crate::sequential::search`].
+/// Samples from one comparison of the wider windows to the next, as in [`crate::sequential::search`].
 const EVERY: u32 = 4;
 
 /// Most samples of a window.
@@ -30,7 +30,7 @@ pub struct WindowSums {
     parts: [[f64; VALUES]; WIDTHS.len()],
     sums: Sums<WIDEST, VALUES>,
     before: f64,
-    /// Number of samples since the wide windows were looked at.
+    /// Number of samples since the wide windows were compared.
     age: u32,
     wide: [Filled; 2],
 }
@@ -43,8 +43,8 @@ state! {
     sound |it| it.age < EVERY
 }
 
-/// Deviations of the noise beyond which a sample is off.
-const OFF: f64 = 3.0;
+/// Deviations of the noise beyond which a sample is off: one in 370 of normal noise.
+pub const OFF: f64 = 3.0;
 
 impl WindowSums {
     pub fn new(limits: &ExcursionLimits) -> Self {
@@ -156,8 +156,17 @@ mod tests {
         assert!(noise.is_some_and(|k| k < 20), "{noise:?}");
     }
 
+    /// Otherwise an excursion would be noise.
     #[test]
-    fn wide_windows_are_remembered_between_the_looks() {
+    fn samples_that_stand_still_are_no_noise() {
+        let limits = limits();
+        let mut sums = WindowSums::new(&limits);
+        let stands = 1.03 * OFF * limits.rest;
+        assert_eq!(found(&mut sums, [stands; 100])[1], None);
+    }
+
+    #[test]
+    fn the_result_of_wide_windows_is_kept_between_comparisons() {
         let limits = limits();
         let mut sums = WindowSums::new(&limits);
         let mut largest = 0.0_f64;

@@ -4,7 +4,7 @@
 //! sum has it at the onset alone, and there the closed loop has not answered yet.
 
 use super::{KEPT, Pair, Signature};
-use crate::sequential::excursions::{Beginning, Onset, student};
+use crate::sequential::excursions::{Beginning, Onset, displaced, student};
 use crate::sequential::parameters::OnsetParameters;
 use crate::sequential::whitening::ORDER;
 
@@ -16,7 +16,7 @@ const SHIFTS: usize = 8;
 
 /// Unpredicted sums of the innovations around an onset.
 struct Seen {
-    /// From the first sample that tells to the last one, m.
+    /// The oldest sample first, m.
     sums: [f64; KEPT],
     count: usize,
     /// Scale of their errors, m.
@@ -121,10 +121,8 @@ fn course(onset: &Onset, residuals: &[f64], first: usize) -> [f64; KEPT] {
 /// How much more likely C1 − C2 makes an onset `ago` samples ago than that which was found, nats.
 fn shift(onset: &Onset, ago: usize, residuals: &[f64], deviation: f64) -> f64 {
     let of = |from: usize, to: usize| {
-        let moved = residuals.get(from..to).unwrap_or_default().iter();
-        moved
-            .map(|it| student(it - onset.size, deviation, 4.0) - student(*it, deviation, 4.0))
-            .sum::<f64>()
+        let between = residuals.get(from..to).unwrap_or_default().iter();
+        between.map(|it| displaced(*it, onset.size, deviation)).sum::<f64>()
     };
     if ago > onset.ago { of(onset.ago, ago) } else { -of(ago, onset.ago) }
 }

@@ -2,27 +2,28 @@
 
 /// The numbers of [`crate::sequential::excursions::Onset`] and of the comparison at it
 /// ([`crate::sequential::pair::Pair::compare_at`]). Deviations are those of C1 − C2 outside of excursions. All but the times are
-/// counts of samples at every rate: a step is told from noise by samples.
+/// counts of samples at every rate, since it takes samples to distinguish a step from noise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OnsetParameters {
     /// Samples that the size is the median of: half of the alarm's window, within these bounds, …
     pub sized: [usize; 2],
-    /// … up to so many after the alarm.
+    /// … up to this many samples after the alarm.
     pub after: usize,
     /// Samples before the alarm's window in which the onset may lie.
     pub before: usize,
-    /// Smallest displacement that anybody is named for, m; 2e-4 to 4e-4. It takes a second to outlast excursions, and of those of 0.25 mm that
+    /// Smallest displacement for which a transducer is named, m; 2e-4 to 4e-4. It takes a second to outlast excursions, and of those of 0.25 mm that
     /// were named one in thirteen was wrong.
     pub least: f64,
-    /// A displacement of at least so many deviations may be a ramp, whose begin can be seen.
+    /// Least size of a displacement whose rise can be seen, deviations; a smaller one is taken for a step.
     pub large: f64,
-    /// Two samples in a row within so many deviations are before the departure, …
+    /// Two successive samples within this many deviations are before the departure of a ramp, …
     pub departed: f64,
-    /// … from which a ramp does not fall by more than so many …
+    /// … which then never falls by more than this many deviations, …
     pub fallen: f64,
-    /// … and of which the first three are on the average below this part of the displacement.
+    /// … and whose first three samples have a median below this part of the displacement.
     pub begun: f64,
-    /// Two samples in a row beyond so many deviations before the onset are another excursion, whose end blames the other transducer.
+    /// Two successive samples beyond this many deviations before the onset are another excursion, whose end looks like a step of the
+    /// other transducer.
     pub another: f64,
     /// Three samples after the onset of a step are farther than three before it by more than this part of its size; 0.5 to 0.8. Without
     /// an edge a drift of 1 mm/s was named wrong in 7 of 100 cases.
@@ -39,7 +40,8 @@ pub struct OnsetParameters {
     pub agreeing: f64,
     /// Evidence that names, nats; 4 to 8. At e⁵ to one fewer than one in a hundred is wrong.
     pub decided: f64,
-    /// The same of a ramp, of which each sample tells little; more than `decided`. At 5 nats two of 120 drifts of 5 mm/s were wrong.
+    /// The same of a ramp, which moves the mean of both readings by hundredths of a millimetre a sample; more than `decided`. At 5 nats
+    /// two of 120 drifts of 5 mm/s were named wrong.
     pub decided_of_a_ramp: f64,
     /// Samples from the onset, and from the alarm, in which it is looked at again and again.
     pub looked_at: [usize; 2],
