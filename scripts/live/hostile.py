@@ -6,7 +6,7 @@ import sqlite3
 import threading
 from collections import Counter
 
-# Of the SHA-256 of a token that nobody knows.
+# The SHA-256 of no known token.
 TOKEN = "5e" * 32
 RECORDING = "20261123T021600Z-on-demand"
 DOWNLOADS = [f"/api/recordings/{RECORDING}.tar", "/api/export/events.csv", "/api/export/events.jsonl"]

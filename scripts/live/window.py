@@ -174,7 +174,7 @@ class Gateway:
 
 
 def crowd_of(way, peers, disk):
-    """Whoever looks at the gateway that keeps everything on `disk`."""
+    """The clients of the gateway that keeps its files on `disk`."""
     if peers:
         return Crowd(Peers, peers)
     if way == "hostile":
@@ -227,7 +227,7 @@ def judge(blocks, crowds, full, way, peers):
         print(f"  {WATCHERS} watchers, {NOT_READING} of them not reading: {total['events']} events read; "
               f"{total['answers']} requests answered, {total['refused']} refused; the database locked {total['locked']} "
               f"times; the disk full in {full} of {len(blocks['looked at'])} blocks")
-    # Whoever is hostile may make few warnings late, which a median does not show.
+    # Hostile readers may delay only a few warnings, which a median does not show.
     what, average = ("mean", statistics.fmean) if way == "hostile" else ("median", statistics.median)
     of = {case: [average(block) for block in found] for case, found in blocks.items()}
     ratios = {case: average([b / a for a, b in zip(of[case], of["looked at"])]) for case in ("alone", "beside")}

@@ -143,7 +143,7 @@ fn messages(machine: &Machine, bus: BusNumber) -> Vec<Message> {
     messages.collect()
 }
 
-/// What was tried at the login of the gateway of `machine`, or why it does not tell; `None` if nobody knows where to ask.
+/// Wrong tokens and lockouts of the gateway of `machine`, or why they are not known; `None` if it has no page to ask.
 fn logins(machine: &Machine, config: &Path) -> Option<Result<Logins, String>> {
     let address = machine.loaded.settings.http.address().filter(|address| address.port() > 0)?;
     let host = match address.ip() {

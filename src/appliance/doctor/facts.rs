@@ -162,11 +162,11 @@ pub struct Host {
     /// Address at which the gateway serves HTTP, and why it could not, if so; `None` if HTTP is
     /// off.
     pub http: Option<(SocketAddr, Option<String>)>,
-    /// What was tried at the running gateway, or why it is not known; `None` if none is running, or HTTP is off.
+    /// Wrong tokens and lockouts of the running gateway, or why they are not known; `None` if none is running, or HTTP is off.
     pub logins: Option<Result<Logins, String>>,
 }
 
-/// What was tried at the login of a gateway since it was started.
+/// Failed logins of a gateway since it was started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Logins {
     /// Wrong tokens.

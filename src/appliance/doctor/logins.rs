@@ -1,4 +1,4 @@
-//! Check of what was tried at the login of the gateway that is running.
+//! Check of the failed logins of the gateway that is running.
 
 use super::facts::Logins;
 use super::finding::Finding;
@@ -6,7 +6,7 @@ use crate::report::counted;
 
 const SUBJECT: &str = "logins";
 
-/// What `logins` leads to; nothing where there is no gateway to ask, or no page.
+/// The finding on `logins`; none where no gateway is running, or it has no page.
 pub(super) fn judge(logins: Option<&Result<Logins, String>>) -> Option<Finding> {
     Some(match logins? {
         Ok(Logins { failures, lockouts: 0 }) => {
@@ -32,7 +32,7 @@ pub(super) fn judge(logins: Option<&Result<Logins, String>>) -> Option<Finding> 
 }
 
 impl Logins {
-    /// Those in the metrics `text`; `None` where they are not told.
+    /// Those in the metrics `text`; `None` where it has none, as that of an older gateway.
     pub fn read(text: &str) -> Option<Self> {
         let total = |name: &str| {
             let line = text.lines().find_map(|line| line.strip_prefix(name))?;
@@ -55,6 +55,6 @@ mod tests {
                     tertius_login_failures_total 12\ntertius_login_lockouts_total 2\n";
         assert_eq!(Logins::read(text), Some(Logins { failures: 12, lockouts: 2 }));
         let older = text.replace("lockouts", "others");
-        assert_eq!(Logins::read(&older), None, "what is not told is not none");
+        assert_eq!(Logins::read(&older), None, "a total that is missing is not zero");
     }
 }

@@ -1,4 +1,4 @@
-//! What readers can make the gateway hold in memory, beside what it holds by itself.
+//! The memory that readers can make the gateway use, and the memory that it uses by itself.
 
 use super::connections::{CONNECTIONS, ENCRYPTED, HEAD_SIZE, RECEIVE_BUFFER, SEND_BUFFER};
 use super::sending::{DOWNLOADS, PIECE, STACK_SIZE, WAITING};
@@ -7,8 +7,8 @@ use super::{LARGEST_ANSWER, READERS};
 use crate::appliance::flight;
 use crate::appliance::store::READ_CACHE;
 
-/// Most bytes that the gateway holds, whoever reads and however: below `MemoryMax` of its unit, which ends it. Whoever adds
-/// a place where a reader makes it hold something adds it here.
+/// Upper bound of the gateway's memory, bytes, however its readers behave. It is below `MemoryMax` of the unit, at which the kernel
+/// ends the gateway. Every buffer that a reader can fill is a term of it.
 pub const MEMORY: usize =
     AT_REST + flight::MOST_BYTES + SOCKETS + STREAM + ANSWERS + READING + SENDING;
 
@@ -16,7 +16,8 @@ pub const MEMORY: usize =
 /// measures it, and the telemetry of its other clients.
 pub const AT_REST: usize = 10 << 20;
 
-/// Of each connection: what the kernel keeps, which is twice of what it is told, and for both ways hyper and rustls.
+/// Of each connection: the socket's buffers, which the kernel makes twice as large as it is asked to, and for both directions
+/// those of hyper and rustls.
 const SOCKETS: usize = (CONNECTIONS + MOST_WATCHERS)
     * (2 * (SEND_BUFFER + RECEIVE_BUFFER) + 2 * HEAD_SIZE + 2 * ENCRYPTED);
 
@@ -26,7 +27,7 @@ const STREAM: usize = (stream::WAITING + 2) * LARGEST_EVENT;
 /// An event with all cylinders and as many incidents as there can be, bytes.
 const LARGEST_EVENT: usize = 64 * 1024;
 
-/// Answers that nobody reads.
+/// Answers that wait to be read.
 const ANSWERS: usize = CONNECTIONS * LARGEST_ANSWER;
 
 /// The threads that make them: rows, and what they become.

@@ -26,7 +26,7 @@ use tokio_rustls::rustls::ServerConnection;
 /// Most connections at once, those of streams apart; the oldest one gives way. An honest one lasts for milliseconds.
 pub(super) const CONNECTIONS: usize = 16;
 
-/// Most of so many places that one address may hold, so that there is one for others, whoever it is.
+/// Places that one address may hold of `places`: half, so that one reader cannot keep all others out.
 pub(super) const fn share(places: usize) -> usize {
     places / 2
 }
@@ -46,12 +46,12 @@ const PIECE_LIMIT: Duration = Duration::from_secs(20);
 pub(super) const HEAD_SIZE: usize = 8192;
 const HEADERS: usize = 64;
 
-/// What the kernel keeps of what is sent and of what has come on a connection, bytes; it takes twice as much. By itself
-/// it would let whoever reads nothing have megabytes.
+/// Socket buffers of a connection, bytes; the kernel makes them twice as large. By default a client that reads nothing would make
+/// it keep megabytes.
 pub(super) const SEND_BUFFER: usize = 32 * 1024;
 pub(super) const RECEIVE_BUFFER: usize = 16 * 1024;
 
-/// What is encrypted and not sent yet, bytes.
+/// Encrypted bytes that wait to be sent.
 pub(super) const ENCRYPTED: usize = 16 * 1024;
 
 /// Pause after a connection that could not be accepted, for example for lack of file descriptors.

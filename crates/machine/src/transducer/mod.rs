@@ -263,6 +263,18 @@ mod tests {
         range: [-1.5, 1.5],
     };
 
+    /// A transducer without errors.
+    fn exact() -> Errors {
+        Errors {
+            offset: [0.0; CYLINDERS],
+            gain: [0.0; CYLINDERS],
+            bow: [0.0; CYLINDERS],
+            skew: [0.0; CYLINDERS],
+            ripple: Ripple::default(),
+            warming: Warming::default(),
+        }
+    }
+
     /// A fluctuation of four counts for ten readings, each of them by up to a half more or less.
     #[test]
     fn fluctuations_are_of_uneven_size_and_length() {
@@ -273,14 +285,7 @@ mod tests {
             fluctuation_time_spread: 0.5,
             ..QUIET
         };
-        let errors = Errors {
-            offset: [0.0; CYLINDERS],
-            gain: [0.0; CYLINDERS],
-            bow: [0.0; CYLINDERS],
-            skew: [0.0; CYLINDERS],
-            ripple: Ripple::default(),
-            warming: Warming::default(),
-        };
+        let errors = exact();
         let mut transducer = Transducer::new(&common, &errors, 0, 0.02);
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let (mut sizes, mut lengths, mut lasting) = (Vec::new(), Vec::new(), 0_u32);
@@ -346,14 +351,7 @@ mod tests {
     /// A filter of the first order is late on a ramp by its time, and a cycle's share of it.
     #[test]
     fn a_speed_lags_behind_by_its_time() {
-        let errors = Errors {
-            offset: [0.0; CYLINDERS],
-            gain: [0.0; CYLINDERS],
-            bow: [0.0; CYLINDERS],
-            skew: [0.0; CYLINDERS],
-            ripple: Ripple::default(),
-            warming: Warming::default(),
-        };
+        let errors = exact();
         let common = Common { speed_lag: 0.06, ..QUIET };
         let mut transducer = Transducer::new(&common, &errors, 0, 0.02);
         let mut rng = ChaCha8Rng::seed_from_u64(1);
