@@ -1,13 +1,13 @@
-//! Quantiles of the gamma and the Poisson distribution: how often something happens at most that was seen a given number of
-//! times. Every input has a bounded answer, so that no recording stops the learning.
+//! Quantiles of the gamma and the Poisson distribution: upper bounds of a rate of which a number of events was seen, and of a
+//! number of which the mean is known. Every input has a bounded answer, so that no recording stops the learning.
 
 use statrs::distribution::{ContinuousCDF, DiscreteCDF, Gamma, Poisson};
 
 /// Shapes and means beyond this are not those of a recording.
 const LARGEST: f64 = 1e6;
 
-/// The value that a gamma variable of scale 1 and of `shape`, limited to 1/2 to a million, does not exceed with this `probability`. What is
-/// no number counts as the least.
+/// The value that a gamma variable of scale 1 does not exceed with this `probability`. Its `shape` is limited to between 1/2 and a
+/// million; NaN counts as the least shape, or probability.
 pub fn gamma_quantile(probability: f64, shape: f64) -> f64 {
     let shape = if shape.is_nan() { 0.5 } else { shape.clamp(0.5, LARGEST) };
     let probability = if probability.is_nan() { 0.0 } else { probability.clamp(0.0, 1.0 - 1e-12) };

@@ -12,9 +12,8 @@ impl Sequential {
         let (Some(limits), Some(pair)) = (&self.design.excursions, &self.pair) else { return };
         let p = &self.design.parameters.onset;
         let age = alarm.age as usize;
-        let [from_onset, from_alarm] = p.looked_at;
-        // A few samples after the onset do not tell, and later ones only settle the size.
-        let is_over = age > from_alarm || (age > p.after && age + alarm.back > from_onset);
+        // The size may change for as long as samples are added to it, however long ago the onset was.
+        let is_over = age > p.after && age + alarm.back > p.compared;
         let is_new = alarm.cause == Cause::Mean && !is_over && !alarm.of_timing;
         if !is_new || alarm.suspect != Suspect::Undecided || alarm.fault == Fault::Noise {
             return;

@@ -226,6 +226,15 @@ mod tests {
         assert_eq!(find(&newest(ramp(0.001)), &window(20, 0), P), None);
     }
 
+    /// Too small for its rise to be seen, it is no step either.
+    #[test]
+    fn a_small_rise_without_an_edge_has_no_onset() {
+        let rise = |k: usize| 1.6e-5 * (k as f64 - 90.0).max(0.0);
+        let window = window(20, 0);
+        assert!(size(&newest(rise), &window, P).is_some_and(|it| (P.least..6e-4).contains(&it)));
+        assert_eq!(find(&newest(rise), &window, P), None);
+    }
+
     #[test]
     fn what_is_small_or_was_there_from_the_beginning_has_no_onset() {
         assert_eq!(find(&newest(|_| 5e-4), &window(100, 0), P), None);

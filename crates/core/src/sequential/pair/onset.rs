@@ -131,3 +131,20 @@ fn log_sum(terms: impl Iterator<Item = f64> + Clone) -> f64 {
     let most = terms.clone().fold(f64::NEG_INFINITY, f64::max);
     most + libm::log(terms.map(|term| libm::exp(term - most)).sum())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_difference_prefers_the_onset_that_it_shows() {
+        let (size, deviation) = (5e-4, 8e-5);
+        let residuals: Vec<f64> = (1..=40).map(|ago| if ago <= 10 { size } else { 0.0 }).collect();
+        let from = |found: usize, ago: usize| {
+            let onset = Onset { ago: found, size, beginning: Beginning::Step };
+            shift(&onset, ago, &residuals, deviation)
+        };
+        assert!(from(12, 10) > 0.0 && from(12, 14) < 0.0 && from(12, 12) == 0.0);
+        assert!(from(8, 10) > 0.0 && from(8, 7) < 0.0);
+    }
+}

@@ -43,8 +43,8 @@ pub struct OnsetParameters {
     /// The same of a ramp, which moves the mean of both readings by hundredths of a millimetre a sample; more than `decided`. At 5 nats
     /// two of 120 drifts of 5 mm/s were named wrong.
     pub decided_of_a_ramp: f64,
-    /// Samples from the onset, and from the alarm, in which it is looked at again and again.
-    pub looked_at: [usize; 2],
+    /// Samples from the onset until which the comparison is repeated: an alarm that is raised within four has too few of them.
+    pub compared: usize,
 }
 
 impl OnsetParameters {
@@ -66,6 +66,6 @@ impl OnsetParameters {
         agreeing: 1.5,
         decided: 5.0,
         decided_of_a_ramp: 8.0,
-        looked_at: [10, 25],
+        compared: 10,
     };
 }
