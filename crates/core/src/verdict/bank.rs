@@ -373,6 +373,22 @@ mod tests {
         assert_eq!([judge(2, 5e-3), judge(3, 1.2e-3)], [Some(4e-3); 2]);
     }
 
+    #[test]
+    fn the_next_fault_is_not_reported_with_the_threshold_of_joint_evidence() {
+        let mut bank = bank_with(4e-3, 1e-3);
+        let mut judge = |cycle: i64, own: f64, change: f64| {
+            let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
+            let jump = Some(Jump { apart: own, change });
+            bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
+            bank.detections()[0].map(|it| it.threshold)
+        };
+        assert_eq!(judge(0, 1.2e-3, 1.2e-3), Some(1e-3));
+        let cleared = (1..100).filter(|cycle| judge(*cycle, 0.1e-3, 0.0).is_none()).count();
+        assert!(cleared > 0, "it stands for ever");
+        // A growing error has no jump.
+        assert_eq!(judge(100, 5e-3, 0.0), Some(4e-3));
+    }
+
     /// C1 was faulty when the bus was lost; when it came back C2 was, with the same difference.
     #[test]
     fn the_side_of_a_difference_does_not_outlast_a_lost_bus() {
