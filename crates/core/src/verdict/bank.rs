@@ -360,15 +360,18 @@ mod tests {
         }
     }
 
+    /// Threshold that C1's residual `own`, m, is reported with, where C1 − C2 is as large and has moved by `change`.
+    fn threshold_of_c1(bank: &mut Bank, cycle: i64, own: f64, change: f64) -> Option<f64> {
+        let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
+        let jump = Some(Jump { apart: own, change });
+        bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
+        bank.detections()[0].map(|it| it.threshold)
+    }
+
     #[test]
     fn a_residual_beyond_its_own_threshold_is_reported_with_that() {
         let mut bank = bank_with(4e-3, 1e-3);
-        let mut judge = |cycle: i64, own: f64| {
-            let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
-            let jump = Some(Jump { apart: own, change: own });
-            bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
-            bank.detections()[0].map(|it| it.threshold)
-        };
+        let mut judge = |cycle: i64, own: f64| threshold_of_c1(&mut bank, cycle, own, own);
         assert_eq!([judge(0, 0.5e-3), judge(1, 1.2e-3)], [None, Some(1e-3)]);
         assert_eq!([judge(2, 5e-3), judge(3, 1.2e-3)], [Some(4e-3); 2]);
     }
@@ -376,12 +379,7 @@ mod tests {
     #[test]
     fn the_next_fault_is_not_reported_with_the_threshold_of_joint_evidence() {
         let mut bank = bank_with(4e-3, 1e-3);
-        let mut judge = |cycle: i64, own: f64, change: f64| {
-            let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
-            let jump = Some(Jump { apart: own, change });
-            bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
-            bank.detections()[0].map(|it| it.threshold)
-        };
+        let mut judge = |cycle, own, change| threshold_of_c1(&mut bank, cycle, own, change);
         assert_eq!(judge(0, 1.2e-3, 1.2e-3), Some(1e-3));
         let cleared = (1..100).filter(|cycle| judge(*cycle, 0.1e-3, 0.0).is_none()).count();
         assert!(cleared > 0, "it stands for ever");
