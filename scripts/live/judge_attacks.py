@@ -94,12 +94,24 @@ def green(judge, attacked):
     judge.row(f"green under an attack, {len(kinds)} kinds", f"{len(bad)} of {looked} statuses", bad)
 
 
+def calm(run, span):
+    """The longest part of it in which nothing else befell the gateway, and its interface was open."""
+    befell = [(it.begin, it.end) for it in run.disturbances + run.machines if it.what != "stall"]
+    befell += [(at, at) for at in run.said("open: ")] + [(span.begin, span.begin), (span.end, span.end)]
+    inside = sorted(it for it in befell if it[1] >= span.begin and it[0] <= span.end)
+    parts, last = [], span.begin
+    for begin, end in inside:
+        parts.append((last, begin))
+        last = max(last, end)
+    return max(parts, key=lambda part: part[1] - part[0])
+
+
 def told(judge, attacked):
     run, missed, looked = judge.run, [], 0
     for it in attacked:
         texts = next((texts for words, texts in TOLD.items() if words in it.attack.name), None)
-        begin, end = it.span.begin, it.span.end
-        if texts is None or run.disturbed(begin - SECOND, end + SECOND) or end - begin < LEAST:
+        begin, end = calm(run, it.span)
+        if texts is None or end - begin < LEAST:
             continue
         looked += 1
         texts = [text.format(id=f"{C1[it.attack.places[0] // 2]:X}") for text in texts]
@@ -108,7 +120,7 @@ def told(judge, attacked):
         last = max((at for at in raised if at <= end + SECOND), default=None)
         if last is None or any(last < at < begin for at in ended + run.kills):
             missed.append(f"{it.attack.name} at {judge.seconds(begin)}")
-    judge.row("undisturbed attacks that are not told", f"{len(missed)} of {looked}", missed)
+    judge.row("attacks that are not told", f"{len(missed)} of {looked}", missed)
 
 
 def over(judge, attacked):
@@ -118,7 +130,10 @@ def over(judge, attacked):
         i = bisect_left(run.status_times, end)
         others = [other.span for other in attacked if other is not it and other.cylinders & it.cylinders]
         faults = [fault for fault in run.faults if int(fault.what.split()[1]) in it.cylinders]
-        is_befallen = run.disturbed(begin, end) or any(s.begin <= end and s.end >= begin for s in others + faults)
+        # After a lost cycle an observer has to settle again.
+        stalls = [it for it in run.machines if it.has(end, SECOND)]
+        is_befallen = run.disturbed(begin, end) or stalls
+        is_befallen = is_befallen or any(s.begin <= end and s.end >= begin for s in others + faults)
         if i == len(run.status_times) or is_befallen:
             continue
         looked += 1
