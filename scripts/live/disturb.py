@@ -1,10 +1,18 @@
 """What befalls the gateway in the soak: deeds that take a while, as generators that give the
 seconds to wait until they go on, and write what they did into a diary."""
 
+import multiprocessing
+import os
 import subprocess
 import time
+from collections import Counter
+from random import Random
 
 import bus
+import hostile
+import machine
+from attacks import attacks
+from gateway import PORT
 
 # Seconds of the interface taking frames again, at a rate at which those that wait burst out.
 RELEASE = 1.0
@@ -108,6 +116,64 @@ class Disturber:
         self.stage.mend()
 
 
+class Attacks:
+    """Attacks on the bus, one after the other, each kind once before any comes again."""
+
+    def __init__(self, stage, random):
+        self.stage, self.random, self.deck = stage, random, []
+
+    def run(self):
+        while True:
+            yield self.random.uniform(3.0, 7.0)
+            if not self.deck:
+                number = len(list(attacks(Random(0))))
+                self.deck = self.random.sample(range(number), number)
+            kind = self.deck.pop()
+            while True:
+                seed = self.random.randrange(1 << 30)
+                places = machine.attack_of(kind, seed).places
+                self.stage.attacked = {place // 2 + 1 for place in places}
+                if len(places) > 2 or self.stage.faulty not in self.stage.attacked:
+                    break
+            self.stage.machine.attack(kind, seed)
+            yield self.random.uniform(3.0, 9.0)
+            self.stage.machine.relent()
+            # It takes as long to be over.
+            yield 2.0
+            self.stage.attacked = set()
+
+
+class Crowd:
+    """Readers of the page who behave badly, for a while: another computer, as far as one processor allows."""
+
+    def __init__(self, stage, random):
+        self.stage, self.random = stage, random
+        # (what, begin, end) in ns since 1970, and the connections of each kind of them.
+        self.diary, self.did = [], Counter()
+
+    def run(self):
+        hostile.fill(self.stage.store)
+        while True:
+            yield self.random.uniform(5.0, 25.0)
+            hostile.keep(self.stage.recordings)
+            here, there = multiprocessing.Pipe()
+            process = multiprocessing.get_context("fork").Process(target=self.behave, args=(there,), daemon=True)
+            begin = time.time_ns()
+            process.start()
+            yield self.random.uniform(4.0, 12.0)
+            here.send("go")
+            while not here.poll():
+                yield 0.1
+            self.did.update(here.recv())
+            process.join()
+            self.diary.append(("readers", begin, time.time_ns()))
+
+    @staticmethod
+    def behave(orders):
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+        hostile.Readers(PORT, orders)
+
+
 class Faults:
     """Steps of a random transducer, one after the other."""
 
@@ -120,6 +186,10 @@ class Faults:
         while True:
             yield self.random.uniform(3.0, 8.0)
             place = self.random.randrange(1, 7), self.random.choice(["c1", "c2"])
+            if len(self.stage.attacked) == 1 and place[0] in self.stage.attacked:
+                continue
+            self.stage.faulty = place[0]
             self.stage.machine.fault(*place, self.random.choice([self.STEP, -self.STEP]))
             yield self.random.uniform(2.0, 5.0)
             self.stage.machine.mend(*place)
+            self.stage.faulty = None

@@ -1,5 +1,6 @@
 """`tertius run` as a process: its configuration, its log, its counts."""
 
+import configparser
 import re
 import signal
 import subprocess
@@ -9,6 +10,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
+PORT = 9481  # of its own HTTP server, unless it is configured otherwise
+UNIT = TOP / "config/systemd/tertius.service"
 PLACE = re.compile(r"receive buffer (\d+) KiB")
 
 
@@ -18,6 +21,16 @@ def configuration(interface, extra=""):
     text = text.replace('"can0"', f'"{interface}"')
     text = text.replace('"../../dbc/e-type.dbc"', f'"{TOP / "dbc/e-type.dbc"}"')
     return f"{text}\n{extra}"
+
+
+def limits():
+    """Memory, bytes, and number of threads, as the unit gives them."""
+    unit = configparser.ConfigParser(strict=False, interpolation=None)
+    unit.optionxform = str
+    unit.read(UNIT)
+    memory = unit["Service"]["MemoryMax"]
+    assert memory.endswith("M"), memory
+    return int(memory[:-1]) << 20, int(unit["Service"]["TasksMax"])
 
 
 class Gateway:
@@ -64,7 +77,7 @@ class Gateway:
 
     def counts(self):
         """Its totals by their names, from its own HTTP server."""
-        with urllib.request.urlopen("http://127.0.0.1:9481/metrics", timeout=30) as answer:
+        with urllib.request.urlopen(f"http://127.0.0.1:{PORT}/metrics", timeout=30) as answer:
             text = answer.read().decode()
         totals = re.findall(r"^tertius_(\w+)_total (\d+)$", text, re.MULTILINE)
         return {name: int(value) for name, value in totals}

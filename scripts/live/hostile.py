@@ -1,4 +1,4 @@
-"""Readers of the gateway's page that behave badly, 64 at a time from eight addresses; run by window.py."""
+"""Readers of the gateway's page that behave badly, 64 at a time from eight addresses; of window.py, readers.py and the soak."""
 
 import itertools
 import socket
@@ -40,10 +40,9 @@ class Readers:
 
     KINDS = ("download", "watch", "ask_much", "idle", "drip", "guess", "knock", "hammer")
 
-    def __init__(self, port, store, orders):
+    def __init__(self, port, orders):
         self.over = threading.Event()
         self.port, self.did = port, Counter({kind: 0 for kind in self.KINDS})
-        fill(store)
         work = itertools.product(self.KINDS, enumerate(ADDRESSES))
         self.threads = [threading.Thread(target=self.run, args=(kind, *of), daemon=True) for kind, of in work]
         for thread in self.threads:

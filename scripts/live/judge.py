@@ -2,6 +2,7 @@
 May be called again on the same folder."""
 
 import json
+import sqlite3
 import sys
 from bisect import bisect_left, bisect_right
 from collections import Counter
@@ -11,7 +12,9 @@ from pathlib import Path
 import cantools
 from cantools.autosar.end_to_end import check_profile5_crc
 
+import judge_attacks
 from gateway import TOP, line_time
+from judge_attacks import AFTER_ATTACK, Attacked
 
 SECOND = 10**9
 STATUS, WARNING = 0x1D1, 0x2D1
@@ -77,13 +80,17 @@ class Run:
         self.disturbances = [Span(*words) for words in run["disturbances"]]
         own = [Span(*words) for words in run["machine"]]
         self.faults = [span for span in own if span.what.startswith("fault")]
-        self.machines = [span for span in own if not span.what.startswith("fault")]
+        self.attacked = [Attacked(span) for span in own if span.what.startswith("attack")]
+        self.machines = [span for span in own if not span.what.startswith(("fault", "attack"))]
         self.statuses, self.warnings = [], []
         for at, identifier, data in self.frames:
             if identifier in (STATUS, WARNING) and len(data) == 8:
                 message = self.dbc.get_message_by_frame_id(identifier)
                 signals = message.decode(data, decode_choices=False, scaling=False)
                 (self.statuses if identifier == STATUS else self.warnings).append((at, signals))
+        # The log leaves lines out where many come at once; the event store has them all.
+        with sqlite3.connect(folder / "kept.events") as store:
+            self.doubts = store.execute("SELECT at_ns, text FROM events WHERE kind = 'doubt' ORDER BY at_ns").fetchall()
         self.status_times = [at for at, _ in self.statuses]
 
     def said(self, text):
@@ -92,8 +99,12 @@ class Run:
     def of(self, what):
         return [span for span in self.disturbances if span.what == what]
 
+    def attack_on(self, cylinder, begin, end):
+        """Whether the cylinder was attacked then, in a way that changes what is known of it."""
+        return any(it.harms(cylinder) and it.span.begin <= end and it.span.end >= begin for it in self.attacked)
+
     def disturbed(self, begin, end):
-        """Whether anything but a fault befell it then. A lost cycle is no excuse."""
+        """Whether anything but a fault or an attack befell it then. A lost cycle is no excuse."""
         machines = [s for s in self.machines if s.what != "stall" or s.end - s.begin > SECOND // 10]
         return any(span.begin <= end and span.end >= begin for span in self.disturbances + machines)
 
@@ -142,7 +153,7 @@ class Judge:
         code += [] if last == STOPPING else [f"its last status has mode {last}"]
         self.row("exit code upon SIGTERM, last status", f"{run['code']}, mode {last}", code,
                  "0, mode 4")
-        refused, read = len(self.run.said("the old one goes on")), len(self.run.said("read again"))
+        refused, read = len(self.run.said("the old one stays in force")), len(self.run.said("read again"))
         wrong = [] if (refused, read) == (run["refusals"], run["reloads"]) else ["see the log"]
         self.row("configurations refused, read again", f"{refused}, {read}", wrong,
                  f"{run['refusals']}, {run['reloads']}")
@@ -208,14 +219,18 @@ class Judge:
             cylinder = int(cylinder)
             for i in range(bisect_left(run.status_times, fault.begin + FOUND),
                            bisect_right(run.status_times, fault.end)):
-                looked += 1
                 at = run.status_times[i]
+                # An attack may hide it, and takes as long as a fault to be over.
+                if run.attack_on(cylinder, at - AFTER_ATTACK, at):
+                    continue
+                looked += 1
                 if self.states[i][place(cylinder, transducer)] == HEALTHY \
                         and not run.just_released(at):
                     disturbed = run.disturbed(fault.begin - 2 * SECOND, at)
                     bad.append(f"{fault.what} of {self.seconds(fault.begin)} is healthy at "
                                f"{self.seconds(at)}{', disturbed' if disturbed else ''}")
-            if run.disturbed(fault.begin - 2 * SECOND, fault.begin + FOUND):
+            before, found_by = fault.begin - 2 * SECOND, fault.begin + FOUND
+            if run.disturbed(before, found_by) or run.attack_on(cylinder, before, found_by):
                 continue
             clear += 1
             told = [w for at, w in run.warnings if w["Raised"] and w["Cylinder"] == cylinder
@@ -261,18 +276,19 @@ class Judge:
         return told
 
     def account(self, at, warning, takers):
-        for fault in self.run.faults:
-            cylinder = int(fault.what.split()[1])
-            if cylinder != warning["Cylinder"]:
-                continue
-            if fault.has(at, AFTER_FAULT):
-                return "by a fault"
+        cylinder = warning["Cylinder"]
+        causes = [(it, "by a fault", AFTER_FAULT) for it in self.run.faults
+                  if int(it.what.split()[1]) == cylinder]
+        causes += [(it.span, "by an attack", AFTER_ATTACK) for it in self.run.attacked if it.harms(cylinder)]
+        for fault, account, after in causes:
+            if fault.has(at, after):
+                return account
             # Where its raise was lost with other frames, what is seen first is a repetition; and a
             # gateway that hears nothing learns of its end when it hears again.
             ends = [span.end for span in self.run.disturbances if span.what in TAKERS
                     and span.begin < at and fault.begin < span.end and span.begin < fault.end]
-            if ends and fault.begin <= at <= max(*ends, fault.end) + AFTER_FAULT + STANDS:
-                return "by a fault"
+            if ends and fault.begin <= at <= max(*ends, fault.end) + after + STANDS:
+                return account
         if warning["Fault"] == STALE:
             for span in takers:
                 if span.has(at, AFTER_DISTURBANCE):
@@ -283,8 +299,9 @@ class Judge:
 
     def around(self, at):
         """What was going on then."""
+        attacks = [Span(it.attack.name, it.span.begin, it.span.end) for it in self.run.attacked]
         near = [f"{span.what} {(at - span.begin) / SECOND:.2f} s before"
-                for span in self.run.disturbances + self.run.machines + self.run.faults
+                for span in self.run.disturbances + self.run.machines + self.run.faults + attacks
                 if span.begin - SECOND < at < span.end + 3 * SECOND]
         return ", ".join(near) or "nothing was going on"
 
@@ -323,9 +340,10 @@ class Judge:
         """That there was something to be wrong about."""
         whole = sum(states.count(HEALTHY) == 12 for states in self.states)
         share = 100 * whole / len(self.states)
-        few = [] if share > 10 else ["too few to say anything"]
+        # Half of the time something is attacked.
+        few = [] if share > 5 else ["too few to say anything"]
         self.row("statuses with all transducers healthy", f"{whole} of {len(self.states)}", few,
-                 "above 10 %")
+                 "above 5 %")
 
     def all(self):
         self.process()
@@ -337,6 +355,7 @@ class Judge:
         told = self.accounted()
         self.bursts()
         self.returns()
+        judge_attacks.judge(self, self.run.attacked)
         self.evidence()
         return told
 
@@ -348,11 +367,13 @@ def main():
     counts = Counter(span.what for span in run.disturbances)
     counts.update("fault" if s.what.startswith("fault") else s.what
                   for s in run.faults + run.machines)
+    counts.update({"attack": len(run.attacked), "crowd of readers": len(run.run["readers"])})
     print(f"soak of {run.run['seconds']:.0f} s, seed {run.run['seed']}: "
           + ", ".join(f"{count} {what}" for what, count in sorted(counts.items())))
     print(f"{run.run['sent']} frames of the machine, {len(run.frames)} of the gateway, "
           f"{len(run.statuses)} of them statuses and {len(run.warnings)} warnings")
     print(f"warnings raised: {told}")
+    print(f"connections of readers: {', '.join(f'{n} {kind}' for kind, n in run.run['connections'].items())}")
     width = max(len(row[0]) for row in judge.rows)
     print(f"{'':{width}}  {'found':>22}  {'wanted':>12}")
     for what, found, wanted, verdict in judge.rows:

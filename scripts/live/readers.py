@@ -1,7 +1,6 @@
 """The gateway in a control group of its unit's limits, with readers who behave badly; run by scripts/readers, see there."""
 
 import argparse
-import configparser
 import multiprocessing
 import os
 import subprocess
@@ -9,27 +8,17 @@ import sys
 import tempfile
 import time
 import urllib.request
+from collections import Counter
 from pathlib import Path
 
 import hostile
+from gateway import TOP, limits
 
-TOP = Path(__file__).resolve().parents[2]
-UNIT = TOP / "config/systemd/tertius.service"
 GROUPS = Path("/sys/fs/cgroup")
 PORT = 9497
 PAGE = f"http://127.0.0.1:{PORT}"
 CYCLES = 100  # that it has to judge afterwards
 PATIENCE = 30.0  # s
-
-
-def limits():
-    """Memory, bytes, and number of threads, as the unit gives them."""
-    unit = configparser.ConfigParser(strict=False, interpolation=None)
-    unit.optionxform = str
-    unit.read(UNIT)
-    memory = unit["Service"]["MemoryMax"]
-    assert memory.endswith("M"), memory
-    return int(memory[:-1]) << 20, int(unit["Service"]["TasksMax"])
 
 
 class Group:
@@ -63,9 +52,13 @@ class Group:
 
 
 def configuration(folder):
-    text = (TOP / "tests/recordings/e-type.toml").read_text()
+    """With everything that has a thread of its own."""
+    text = (TOP / "tests/recordings/e-type-sequential.toml").read_text()
     text = text.replace('"can0"', '"virtual"').replace('"../../dbc/e-type.dbc"', f'"{TOP / "dbc/e-type.dbc"}"')
     own = f'[http]\nlisten = "127.0.0.1:{PORT}"\ntoken = "{hostile.TOKEN}"\n[store]\nfile = "kept.events"\n'
+    # A broker whose name is looked for by a thread.
+    own += f'[modbus]\nlisten = "127.0.0.1:{PORT + 1}"\n[mqtt]\nbroker = "broker.invalid:1883"\n'
+    text = text.replace("[sequential]\n", f'[sequential]\nhistory = "{folder / "kept.dwells"}"\n')
     return f'{own}[recorder]\nfolder = "{folder / "recordings"}"\n{text}'
 
 
@@ -94,7 +87,14 @@ def wait_for(what, process, done):
 
 
 def threads(process):
-    return sum(1 for _ in Path(f"/proc/{process.pid}/task").iterdir())
+    """The names of its threads."""
+    found = []
+    for task in Path(f"/proc/{process.pid}/task").iterdir():
+        try:
+            found.append((task / "comm").read_text().strip())
+        except OSError:
+            pass  # It has ended.
+    return found
 
 
 def main():
@@ -115,13 +115,13 @@ def main():
         try:
             wait_for("its first cycles", process, lambda: (cycles() or 0) > CYCLES)
             here, there = multiprocessing.Pipe()
-            store = folder / "kept.events"
-            readers = multiprocessing.Process(target=hostile.Readers, args=(PORT, store, there), daemon=True)
+            hostile.fill(folder / "kept.events")
+            readers = multiprocessing.Process(target=hostile.Readers, args=(PORT, there), daemon=True)
             readers.start()
-            end, most = time.monotonic() + options.seconds, 0
+            end, most = time.monotonic() + options.seconds, []
             answered = refused = 0
             while time.monotonic() < end:
-                most = max(most, threads(process)) if process.poll() is None else most
+                most = max(most, threads(process), key=len) if process.poll() is None else most
                 answered, refused = (answered + 1, refused) if ask("/api/alarms") else (answered, refused + 1)
             before = cycles()
             wait_for("more cycles", process, lambda: (cycles() or 0) > (before or 0) + CYCLES)
@@ -136,8 +136,9 @@ def main():
     print(f"readers: {', '.join(f'{kind} {count}' for kind, count in did.items())} connections of {len(hostile.ADDRESSES)} addresses")
     print(f"  a reader of another address was answered {answered} times, and not {refused} times")
     print(f"  memory {found / 2**20:.1f} MiB of {memory >> 20}, with what the kernel gives back (version {group.version}); "
-          f"{killed} processes ended for it; {most} threads of {tasks}")
-    good = killed == 0 and health is not None and most <= tasks and answered > 0 and refused == 0
+          f"{killed} processes ended for it; {len(most)} threads of {tasks}")
+    print(f"  the threads: {', '.join(f'{count} {name}' for name, count in sorted(Counter(most).items()))}")
+    good = killed == 0 and health is not None and len(most) <= tasks and answered > 0 and refused == 0
     print(f"  alive and judging afterwards: {'yes' if good else 'NO'}")
     sys.exit(0 if good else 1)
 

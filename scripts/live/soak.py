@@ -15,12 +15,15 @@ import time
 from pathlib import Path
 
 import bus
+import hostile
 import machine
 from gateway import Gateway, configuration
 
 # Of the healthy recording: neutral, and engaged from 130 s to 470 s.
 FROM, TO = 120.0, 300.0
 TURN = 0.02  # s
+# Frames by which it is known that the machine speaks; no attack takes both away.
+MARKS = {machine.SYNC, machine.LAST}
 
 
 class Stage:
@@ -30,6 +33,9 @@ class Stage:
         self.notes = []
         self.listener = None
         self.frames, self.syncs = [], []
+        self.attacked, self.faulty = set(), None
+        self.sizes, self.sized = [], 0.0
+        self.store, self.recordings = folder / "kept.events", folder / "recordings"
         self.create()
         self.gateway = Gateway(binary, folder, self.configuration(1.0))
         self.deaths, self.refusals, self.reloads = [], 0, 0
@@ -37,7 +43,9 @@ class Stage:
         self.machine = machine.Machine(self.far, machine.cycles(FROM, TO))
 
     def configuration(self, clear):
-        return configuration(self.near, f"[alarm]\nclear = {clear}\n")
+        own = f'[http]\ntoken = "{hostile.TOKEN}"\n[store]\nfile = "{self.store}"\n'
+        own += f'[recorder]\nfolder = "{self.recordings}"\nbefore = 2.0\nafter = 1.0\n'
+        return configuration(self.near, f"{own}[alarm]\nclear = {clear}\n")
 
     def create(self):
         bus.ip("link", "add", "dev", self.near, "type", "vxcan", "peer", "name", self.far)
@@ -46,18 +54,31 @@ class Stage:
             self.listener.close()
             self.listener.open()
         else:
-            without = [i for i in machine.USED + machine.UNUSED if i != machine.SYNC]
+            without = [i for i in machine.USED + machine.UNUSED if i not in MARKS]
             self.listener = bus.Listener(self.far, without=without, buffer=64 << 20)
         bus.ip("link", "set", "up", self.far)
         bus.ip("link", "set", "up", self.near)
 
     def collect(self):
-        """Keeps what is the gateway's, and the machine's Sync."""
+        """Keeps what is the gateway's, and when the machine spoke."""
         for frame in self.listener.read():
             if not frame.local:
                 self.frames.append((frame.at, frame.identifier, frame.data.hex()))
-            elif frame.identifier == machine.SYNC:
+            elif frame.identifier in MARKS:
                 self.syncs.append(frame.at)
+
+    def measure(self):
+        """Keeps the memory and the threads of the gateway, once a second."""
+        if time.monotonic() < self.sized or not self.gateway.process:
+            return
+        self.sized = time.monotonic() + 1.0
+        try:
+            lines = Path(f"/proc/{self.gateway.process.pid}/status").read_text().splitlines()
+        except OSError:
+            return
+        told = dict(line.split(":", 1) for line in lines)
+        if "VmRSS" in told:
+            self.sizes.append((time.time_ns(), int(told["VmRSS"].split()[0]), int(told["Threads"])))
 
     def note(self, what, at=None):
         self.notes.append((what, at or time.time_ns()))
@@ -108,13 +129,16 @@ class Stage:
 
 def play(stage, seconds, seed):
     """Everything that is to happen, in turn."""
-    from disturb import Disturber, Faults
+    from disturb import Attacks, Crowd, Disturber, Faults
 
     disturber = Disturber(stage, random.Random(seed))
     faults = Faults(stage, random.Random(seed + 1))
+    attacks = Attacks(stage, random.Random(seed + 2))
+    crowd = Crowd(stage, random.Random(seed + 3))
     start = time.monotonic()
     # The first things happen to a gateway that has judged.
-    queue = [(start + 4.0, 0, disturber.run()), (start + 2.0, 1, faults.run())]
+    queue = [(start + 4.0, 0, disturber.run()), (start + 2.0, 1, faults.run()),
+             (start + 3.0, 2, attacks.run()), (start + 1.0, 3, crowd.run())]
     end = start + seconds
     while time.monotonic() < end:
         while queue[0][0] <= time.monotonic():
@@ -123,6 +147,7 @@ def play(stage, seconds, seed):
             heapq.heappush(queue, (time.monotonic() + pause, number, deed))
         stage.collect()
         stage.look_for_death()
+        stage.measure()
         time.sleep(max(0.0, min(TURN, queue[0][0] - time.monotonic())))
     # What has begun is brought to its end, so that it is in the diary.
     (deed,) = (deed for _, number, deed in queue if number == 0)
@@ -131,7 +156,7 @@ def play(stage, seconds, seed):
     while len(disturber.diary) == done and deed.gi_yieldfrom is not None \
             and time.monotonic() < deed_end:
         time.sleep(next(deed))
-    return disturber.diary
+    return disturber.diary, crowd
 
 
 def main():
@@ -142,7 +167,7 @@ def main():
     parser.add_argument("--folder", type=Path, required=True)
     options = parser.parse_args()
     stage = Stage(options.binary, options.folder)
-    disturbances = play(stage, options.seconds, options.seed)
+    disturbances, crowd = play(stage, options.seconds, options.seed)
     time.sleep(3.0)
     stage.collect()
     stage.look_for_death()
@@ -155,7 +180,8 @@ def main():
         "seconds": options.seconds, "seed": options.seed, "frames": stage.frames,
         "syncs": stage.syncs, "notes": stage.notes, "disturbances": disturbances, "machine": diary, "sent": sent,
         "deaths": stage.deaths, "stopped": asked, "code": code, "refusals": stage.refusals,
-        "reloads": stage.reloads, "unheard": stage.listener.lost,
+        "reloads": stage.reloads, "unheard": stage.listener.lost, "sizes": stage.sizes,
+        "readers": crowd.diary, "connections": crowd.did,
     }))
 
 

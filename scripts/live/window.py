@@ -179,7 +179,8 @@ def crowd_of(way, peers, disk):
         return Crowd(Peers, peers)
     if way == "hostile":
         hostile.keep(disk / "recordings")
-        return Crowd(hostile.Readers, PORT, disk / "kept.events")
+        hostile.fill(disk / "kept.events")
+        return Crowd(hostile.Readers, PORT)
     fill(disk)
     return Crowd(_Gathered, disk / "kept.events")
 

@@ -35,6 +35,9 @@ use trouble::MqttTrouble;
 /// Stack of the thread, bytes.
 const STACK_SIZE: usize = 512 * 1024;
 
+/// Most threads that look for the broker's name at once.
+const NAME_THREADS: usize = 1;
+
 /// Pauses before the next attempt: the first, which doubles, and the longest.
 const PAUSES: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(60)];
 
@@ -63,7 +66,12 @@ impl MqttPublisher {
         pauses: [Duration; 2],
     ) -> io::Result<Self> {
         let (telemetry, clock) = (recorder.telemetry().clone(), recorder.clock().clone());
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        // It looks for the broker's name. With a name server that hangs, the next attempt waits for this thread, too.
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .max_blocking_threads(NAME_THREADS)
+            .thread_name("mqtt-name")
+            .build()?;
         let (stop, stopped) = oneshot::channel();
         let work = move || {
             realtime::be_ordinary();

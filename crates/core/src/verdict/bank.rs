@@ -70,6 +70,8 @@ pub struct Bank {
     /// Signatures of faults in R1 and R2.
     signatures: [Signatures; 2],
     joint: f64,
+    /// Residuals up to which no FDE is raised, m.
+    calm: [f64; 3],
     coincidence: Span,
     parameters: &'static VerdictParameters,
     cycles: VerdictCycles,
@@ -78,7 +80,7 @@ pub struct Bank {
 state! {
     Bank { triggers, verdicts, newest, observed, difference, found, by_joint, any_found }
     parts { unaligned }
-    but { signatures, joint, coincidence, parameters, cycles }
+    but { signatures, joint, calm, coincidence, parameters, cycles }
 }
 
 /// State of a raised FDE.
@@ -94,6 +96,7 @@ whole! { Found { fault, suspect, age } }
 impl Bank {
     pub fn new(design: &BankDesign) -> Self {
         let observer = Trigger::new(design.observer);
+        let least = design.observer.high.min(design.joint);
         Self {
             triggers: [observer.clone(), observer, Trigger::new(design.difference)],
             verdicts: [Verdict::Unknown; 3],
@@ -109,10 +112,38 @@ impl Bank {
             any_found: false,
             signatures: design.signatures.clone(),
             joint: design.joint,
+            calm: [least, least, design.difference.high],
             coincidence: design.coincidence,
             parameters: design.parameters,
             cycles: design.parameters.cycles(design.sample_time),
         }
+    }
+
+    /// Takes residuals that raise nothing while nothing is raised, as nearly all are, as [`Self::judge`] would, but asks
+    /// nothing else. Returns `false`, and does nothing, for any others.
+    #[inline(always)]
+    pub fn take_calm(&mut self, residuals: &Residuals) -> bool {
+        let [r1, r2, r3] = residuals.r;
+        // Not a number is not calm.
+        let is_calm = |i: usize, it: Option<f64>| it.is_none_or(|it| it.abs() <= self.calm[i]);
+        // After a cycle has been judged a trigger is raised only where something is found.
+        let is_open = self.any_found || self.unaligned.is_some();
+        if is_open || !is_calm(0, r1) || !is_calm(1, r2) || !is_calm(FDE3, r3) {
+            return false;
+        }
+        for (i, residual) in [(0, r1), (1, r2)] {
+            self.verdicts[i] = Verdict::Unknown;
+            if let Some(residual) = residual {
+                (self.verdicts[i], self.newest[i]) = (Verdict::Healthy, residual);
+                self.observed[i].push(residual);
+            }
+        }
+        self.verdicts[FDE3] = Verdict::Unknown;
+        if let Some(residual) = r3 {
+            (self.verdicts[FDE3], self.newest[FDE3]) = (Verdict::Healthy, residual);
+            self.difference.push(residual);
+        }
+        true
     }
 
     /// Takes the residuals of the cycle at `at`, in which C1 read `length`, m, and how C1 − C2 has moved;
@@ -289,111 +320,4 @@ impl Bank {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn bank() -> Bank {
-        bank_with(1e-3, f64::INFINITY)
-    }
-
-    fn bank_with(high: f64, joint: f64) -> Bank {
-        let clear = Span::from_seconds(1.0);
-        let thresholds = |high: f64| Thresholds { low: 0.75 * high, high, clear };
-        let design = || crate::observe::observer::ObserverDesign {
-            a: nalgebra::Matrix3::identity(),
-            b: nalgebra::Vector3::zeros(),
-            l: nalgebra::Matrix3x2::zeros(),
-            settle: 0,
-            max_gap: 0,
-        };
-        Bank::new(&BankDesign {
-            observer: thresholds(high),
-            joint,
-            difference: thresholds(1.5e-3),
-            calibrated: true,
-            coincidence: Span::from_seconds(0.2),
-            signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
-            parameters: &VerdictParameters::DEFAULT,
-            sample_time: 0.02,
-        })
-    }
-
-    fn run(bank: &mut Bank, cycles: std::ops::Range<i64>, r: [f64; 3]) -> Option<Suspect> {
-        for cycle in cycles {
-            let at = Timestamp::from_nanos(cycle * 20_000_000);
-            bank.judge(at, &Residuals { r: r.map(Some) }, Some(0.0), None);
-        }
-        bank.detections()[FDE3].map(|detection| detection.suspect)
-    }
-
-    /// δ_h is 4 mm, as fluctuations teach it, and a transducer steps by 1.2 mm.
-    #[test]
-    fn one_observer_and_the_difference_find_together_what_neither_does_alone() {
-        let jump = Jump { apart: 1.2e-3, change: 1.25e-3 };
-        for (r, jump, suspect) in [
-            ([1.2e-3, 0.1e-3, 1.2e-3], jump, Suspect::C1),
-            ([0.1e-3, -1.2e-3, 1.2e-3], jump, Suspect::C2),
-            ([0.1e-3, -1.2e-3, -1.2e-3], jump.reversed(), Suspect::Undecided),
-            ([0.1e-3, 1.2e-3, -1.2e-3], jump.reversed(), Suspect::C2),
-            ([1.2e-3, 0.4e-3, 1.2e-3], jump, Suspect::Undecided),
-        ] {
-            let mut bank = bank_with(4e-3, 1e-3);
-            let residuals = Residuals { r: r.map(Some) };
-            bank.judge(Timestamp::from_nanos(0), &residuals, Some(0.0), Some(jump));
-            let found: Vec<_> = bank.detections().into_iter().flatten().collect();
-            let [Some(r1), Some(r2), _] = residuals.r else { unreachable!("they are known") };
-            match suspect {
-                Suspect::Undecided => assert_eq!(found, [], "{r:?}"),
-                _ => {
-                    let own = if suspect == Suspect::C1 { r1 } else { r2 };
-                    let [one] = found[..] else { panic!("{r:?}: {found:?}") };
-                    assert_eq!((one.suspect, one.residual, one.threshold), (suspect, own, 1e-3));
-                }
-            }
-            // The difference stays, and is no jump any more: it ends as any other.
-            for cycle in 1..60 {
-                let at = Timestamp::from_nanos(cycle * 20_000_000);
-                let quiet = Residuals { r: [Some(0.1e-3), Some(0.1e-3), Some(1.2e-3)] };
-                bank.judge(at, &quiet, Some(0.0), Some(Jump { apart: 1.2e-3, change: 0.0 }));
-            }
-            assert_eq!(bank.detections(), [None; 3]);
-        }
-    }
-
-    /// Threshold that C1's residual `own`, m, is reported with, where C1 − C2 is as large and has moved by `change`.
-    fn threshold_of_c1(bank: &mut Bank, cycle: i64, own: f64, change: f64) -> Option<f64> {
-        let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
-        let jump = Some(Jump { apart: own, change });
-        bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
-        bank.detections()[0].map(|it| it.threshold)
-    }
-
-    #[test]
-    fn a_residual_beyond_its_own_threshold_is_reported_with_that() {
-        let mut bank = bank_with(4e-3, 1e-3);
-        let mut judge = |cycle: i64, own: f64| threshold_of_c1(&mut bank, cycle, own, own);
-        assert_eq!([judge(0, 0.5e-3), judge(1, 1.2e-3)], [None, Some(1e-3)]);
-        assert_eq!([judge(2, 5e-3), judge(3, 1.2e-3)], [Some(4e-3); 2]);
-    }
-
-    #[test]
-    fn the_next_fault_is_not_reported_with_the_threshold_of_joint_evidence() {
-        let mut bank = bank_with(4e-3, 1e-3);
-        let mut judge = |cycle, own, change| threshold_of_c1(&mut bank, cycle, own, change);
-        assert_eq!(judge(0, 1.2e-3, 1.2e-3), Some(1e-3));
-        let cleared = (1..100).filter(|cycle| judge(*cycle, 0.1e-3, 0.0).is_none()).count();
-        assert!(cleared > 0, "it stands for ever");
-        // A growing error has no jump.
-        assert_eq!(judge(100, 5e-3, 0.0), Some(4e-3));
-    }
-
-    /// C1 was faulty when the bus was lost; when it came back C2 was, with the same difference.
-    #[test]
-    fn the_side_of_a_difference_does_not_outlast_a_lost_bus() {
-        let mut bank = bank();
-        assert_eq!(run(&mut bank, 0..1, [3e-3, 0.0, 3e-3]), Some(Suspect::C1));
-        assert_eq!(run(&mut bank, 1..100, [0.0, 0.0, 3e-3]), Some(Suspect::C1));
-        bank.interrupt();
-        assert_eq!(run(&mut bank, 500..600, [0.0, 0.0, 3e-3]), Some(Suspect::Undecided));
-    }
-}
+mod tests;

@@ -22,9 +22,10 @@ impl<const N: usize> Default for ResidualHistory<N> {
 }
 
 impl<const N: usize> ResidualHistory<N> {
+    #[inline(always)]
     pub fn push(&mut self, value: f64) {
         self.values[self.next] = value;
-        self.known = (self.known + 1).min(N);
+        self.known += usize::from(self.known < N);
         self.next = if self.next + 1 == N { 0 } else { self.next + 1 };
     }
 

@@ -1,7 +1,7 @@
 //! Inputs of the detectors of a cylinder in a cycle.
 
 use super::agreement::{Agreement, Readings, is_alone};
-use super::precedence::{DETECTORS, Standing};
+use super::precedence::Standing;
 use super::{Cylinder, Evaluation, Implausible, TRANSDUCERS};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
@@ -35,8 +35,10 @@ impl Cylinder {
         if self.commands.is_beyond() {
             self.keep_lonely(&mut residuals, judged);
         }
-        let jump = self.sequential.as_deref().and_then(Sequential::jump);
-        self.bank.judge(now.at, &residuals, self.length, jump);
+        if !self.bank.take_calm(&residuals) {
+            let jump = self.sequential.as_deref().and_then(Sequential::jump);
+            self.bank.judge(now.at, &residuals, self.length, jump);
+        }
         residuals
     }
 
@@ -57,6 +59,7 @@ impl Cylinder {
     /// as measured: it knows neither a nor b of (5-20), nor that a reading is frozen. The machine
     /// replaces a reading without a signal, or an impossible one, by the other, and then has
     /// nothing to compare.
+    #[inline(always)]
     pub(super) fn judge_measured(&mut self, at: Timestamp, readings: &[Option<Reading>; 2]) {
         let measured = |i: usize| {
             let taken = matches!(self.plausibility[i].quality(), Quality::Good | Quality::Frozen);
@@ -77,19 +80,19 @@ impl Cylinder {
     /// it.
     #[inline]
     pub(super) fn judge_precedence(&mut self) {
-        let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);
         let sequential = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
-        let raised = [fde1, fde2, fde3, sequential];
-        if raised == [false; DETECTORS] {
+        if self.bank.any_found() || sequential {
+            self.judge_standing(sequential);
+        } else {
             // Nearly always: nobody is blamed.
             self.precedence.rest();
-        } else {
-            self.judge_standing(raised);
         }
     }
 
     #[cold]
-    fn judge_standing(&mut self, raised: [bool; DETECTORS]) {
+    fn judge_standing(&mut self, sequential: bool) {
+        let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);
+        let raised = [fde1, fde2, fde3, sequential];
         let standing = core::array::from_fn(|i| Standing {
             known: self.implausible[i].raised().then_some(self.implausible[i].fault),
             alone: self.plausibility[i].stands_alone(),

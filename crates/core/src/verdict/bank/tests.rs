@@ -1,0 +1,152 @@
+//! Tests of the bank.
+
+use super::*;
+
+fn bank() -> Bank {
+    bank_with(1e-3, f64::INFINITY)
+}
+
+fn bank_with(high: f64, joint: f64) -> Bank {
+    let clear = Span::from_seconds(1.0);
+    let thresholds = |high: f64| Thresholds { low: 0.75 * high, high, clear };
+    let design = || crate::observe::observer::ObserverDesign {
+        a: nalgebra::Matrix3::identity(),
+        b: nalgebra::Vector3::zeros(),
+        l: nalgebra::Matrix3x2::zeros(),
+        settle: 0,
+        max_gap: 0,
+    };
+    Bank::new(&BankDesign {
+        observer: thresholds(high),
+        joint,
+        difference: thresholds(1.5e-3),
+        calibrated: true,
+        coincidence: Span::from_seconds(0.2),
+        signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
+        parameters: &VerdictParameters::DEFAULT,
+        sample_time: 0.02,
+    })
+}
+
+fn run(bank: &mut Bank, cycles: std::ops::Range<i64>, r: [f64; 3]) -> Option<Suspect> {
+    for cycle in cycles {
+        let at = Timestamp::from_nanos(cycle * 20_000_000);
+        bank.judge(at, &Residuals { r: r.map(Some) }, Some(0.0), None);
+    }
+    bank.detections()[FDE3].map(|detection| detection.suspect)
+}
+
+/// δ_h is 4 mm, as fluctuations teach it, and a transducer steps by 1.2 mm.
+#[test]
+fn one_observer_and_the_difference_find_together_what_neither_does_alone() {
+    let jump = Jump { apart: 1.2e-3, change: 1.25e-3 };
+    for (r, jump, suspect) in [
+        ([1.2e-3, 0.1e-3, 1.2e-3], jump, Suspect::C1),
+        ([0.1e-3, -1.2e-3, 1.2e-3], jump, Suspect::C2),
+        ([0.1e-3, -1.2e-3, -1.2e-3], jump.reversed(), Suspect::Undecided),
+        ([0.1e-3, 1.2e-3, -1.2e-3], jump.reversed(), Suspect::C2),
+        ([1.2e-3, 0.4e-3, 1.2e-3], jump, Suspect::Undecided),
+    ] {
+        let mut bank = bank_with(4e-3, 1e-3);
+        let residuals = Residuals { r: r.map(Some) };
+        bank.judge(Timestamp::from_nanos(0), &residuals, Some(0.0), Some(jump));
+        let found: Vec<_> = bank.detections().into_iter().flatten().collect();
+        let [Some(r1), Some(r2), _] = residuals.r else { unreachable!("they are known") };
+        match suspect {
+            Suspect::Undecided => assert_eq!(found, [], "{r:?}"),
+            _ => {
+                let own = if suspect == Suspect::C1 { r1 } else { r2 };
+                let [one] = found[..] else { panic!("{r:?}: {found:?}") };
+                assert_eq!((one.suspect, one.residual, one.threshold), (suspect, own, 1e-3));
+            }
+        }
+        // The difference stays, and is no jump any more: it ends as any other.
+        for cycle in 1..60 {
+            let at = Timestamp::from_nanos(cycle * 20_000_000);
+            let quiet = Residuals { r: [Some(0.1e-3), Some(0.1e-3), Some(1.2e-3)] };
+            bank.judge(at, &quiet, Some(0.0), Some(Jump { apart: 1.2e-3, change: 0.0 }));
+        }
+        assert_eq!(bank.detections(), [None; 3]);
+    }
+}
+
+/// Threshold that C1's residual `own`, m, is reported with, where C1 − C2 is as large and has moved by `change`.
+fn threshold_of_c1(bank: &mut Bank, cycle: i64, own: f64, change: f64) -> Option<f64> {
+    let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
+    let jump = Some(Jump { apart: own, change });
+    bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
+    bank.detections()[0].map(|it| it.threshold)
+}
+
+#[test]
+fn a_residual_beyond_its_own_threshold_is_reported_with_that() {
+    let mut bank = bank_with(4e-3, 1e-3);
+    let mut judge = |cycle: i64, own: f64| threshold_of_c1(&mut bank, cycle, own, own);
+    assert_eq!([judge(0, 0.5e-3), judge(1, 1.2e-3)], [None, Some(1e-3)]);
+    assert_eq!([judge(2, 5e-3), judge(3, 1.2e-3)], [Some(4e-3); 2]);
+}
+
+#[test]
+fn the_next_fault_is_not_reported_with_the_threshold_of_joint_evidence() {
+    let mut bank = bank_with(4e-3, 1e-3);
+    let mut judge = |cycle, own, change| threshold_of_c1(&mut bank, cycle, own, change);
+    assert_eq!(judge(0, 1.2e-3, 1.2e-3), Some(1e-3));
+    let cleared = (1..100).filter(|cycle| judge(*cycle, 0.1e-3, 0.0).is_none()).count();
+    assert!(cleared > 0, "it stands for ever");
+    // A growing error has no jump.
+    assert_eq!(judge(100, 5e-3, 0.0), Some(4e-3));
+}
+
+/// C1 was faulty when the bus was lost; when it came back C2 was, with the same difference.
+#[test]
+fn the_side_of_a_difference_does_not_outlast_a_lost_bus() {
+    let mut bank = bank();
+    assert_eq!(run(&mut bank, 0..1, [3e-3, 0.0, 3e-3]), Some(Suspect::C1));
+    assert_eq!(run(&mut bank, 1..100, [0.0, 0.0, 3e-3]), Some(Suspect::C1));
+    bank.interrupt();
+    assert_eq!(run(&mut bank, 500..600, [0.0, 0.0, 3e-3]), Some(Suspect::Undecided));
+}
+
+/// Residuals of a long time, calm and not, with cycles in which some are absent or no number.
+#[test]
+fn a_calm_cycle_is_judged_as_any_other() {
+    let mut state = 1_u64;
+    let mut draw = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 40) as f64 / (1_u64 << 24) as f64
+    };
+    for joint in [f64::INFINITY, 1e-3] {
+        let (mut asked, mut quick) = (bank_with(4e-3, joint), bank_with(4e-3, joint));
+        let (mut calm, mut found) = (0, 0);
+        for cycle in 0..20_000 {
+            let size = match cycle / 500 % 2 {
+                0 => 0.2,
+                _ if draw() < 0.01 => 3.0,
+                _ => 0.9,
+            };
+            let mut one = |high: f64| match draw() {
+                it if it < 0.02 => None,
+                it if it < 0.03 => Some(f64::NAN),
+                _ => Some((2.0 * draw() - 1.0) * size * high),
+            };
+            let residuals = Residuals { r: [one(4e-3), one(4e-3), one(1.5e-3)] };
+            let jump = residuals.r[2].map(|apart| Jump { apart, change: apart });
+            let at = Timestamp::from_nanos(cycle * 20_000_000);
+            asked.judge(at, &residuals, Some(0.0), jump);
+            if quick.take_calm(&residuals) {
+                calm += 1;
+            } else {
+                quick.judge(at, &residuals, Some(0.0), jump);
+            }
+            if cycle % 5_000 == 4_999 {
+                asked.interrupt();
+                quick.interrupt();
+            }
+            // Formatted, as no number is not equal to itself.
+            let all = |bank: &Bank| format!("{bank:?}");
+            assert_eq!(all(&asked), all(&quick), "{cycle}: {residuals:?}");
+            found += u32::from(asked.any_found());
+        }
+        assert!(calm > 1_000 && found > 1_000, "{calm} calm, {found} with a finding");
+    }
+}
