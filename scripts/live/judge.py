@@ -340,10 +340,9 @@ class Judge:
         """That there was something to be wrong about."""
         whole = sum(states.count(HEALTHY) == 12 for states in self.states)
         share = 100 * whole / len(self.states)
-        # Half of the time something is attacked.
-        few = [] if share > 5 else ["too few to say anything"]
+        few = [] if share > 10 else ["too few to say anything"]
         self.row("statuses with all transducers healthy", f"{whole} of {len(self.states)}", few,
-                 "above 5 %")
+                 "above 10 %")
 
     def all(self):
         self.process()
