@@ -43,7 +43,8 @@ pub struct OnsetParameters {
     /// The same of a ramp, which moves the mean of both readings by hundredths of a millimetre a sample; more than `decided`. At 5 nats
     /// two of 120 drifts of 5 mm/s were named wrong.
     pub decided_of_a_ramp: f64,
-    /// Samples from the onset until which the comparison is repeated: an alarm that is raised within four has too few of them.
+    /// Samples from the onset until which the comparison is repeated, and at least for `after` samples from the alarm: sooner there are
+    /// too few to compare.
     pub compared: usize,
 }
 
