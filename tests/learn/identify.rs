@@ -1,6 +1,8 @@
 //! The estimates of (4-7) and (4-8), against the truth and against NumPy.
 
 use crate::identify_support::{self, BOTH, GAMMA, Simulated, THETA, TS, estimate, row, shaping};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use tertius::identify::{
     Candidate, Estimate, IdentificationRefusal, OffsetRule, Shaper, Sources, Validator,
@@ -170,21 +172,26 @@ fn data_that_cannot_tell_the_parameters_apart_are_refused() {
     assert!(words.contains("the velocity and the command cannot be told apart"), "{words}");
 }
 
-/// It creeps out by itself, and is never told to stand still: where it would is a guess beyond all that
-/// was commanded.
-#[test]
-fn a_rest_that_was_never_commanded_is_refused() {
-    let model = tertius::observe::model::Model::new(TS, THETA, GAMMA);
+/// Rows of a cylinder that is never commanded to rest: it would at −`creep`, m/s. Its velocity is read with `noise`, m/s.
+fn never_at_rest(creep: f64, noise: f64) -> Vec<Row> {
+    let model = Model::new(TS, THETA, GAMMA);
     let mut x = nalgebra::Vector3::new(0.05, 1.0, 3.0);
-    let rows: Vec<Row> = (0..5000)
-        .map(|k| {
-            let t = f64::from(k) * TS;
-            let commanded = 0.5 + 0.2 * (0.7 * t).sin() + 0.2 * (5.3 * t).sin();
-            let row = identify_support::row(1, k, x[0], x[1], x[2], commanded);
-            x = model.a * x + model.b * (commanded + 0.62);
-            row
-        })
-        .collect();
+    let mut generator = ChaCha8Rng::seed_from_u64(7);
+    let one = |k: u32| {
+        let t = f64::from(k) * TS;
+        let commanded = 0.5 + 0.2 * (0.7 * t).sin() + 0.2 * (5.3 * t).sin();
+        let read = x[1] + noise * (generator.random::<f64>() - 0.5);
+        let row = identify_support::row(1, k, x[0], read, x[2], commanded);
+        x = model.a * x + model.b * (commanded + creep);
+        row
+    };
+    (0..5000).map(one).collect()
+}
+
+/// Where it would rest is a guess beyond all that was commanded.
+#[test]
+fn a_rest_that_was_never_commanded_is_refused_where_it_carries_the_motion() {
+    let rows = never_at_rest(0.62, 0.0);
     for rule in [OffsetRule::WhereItMatters, OffsetRule::Always] {
         let refusal = estimate(&rows, 1, BOTH, rule).expect_err("nothing rests there");
         let IdentificationRefusal::RestNeverCommanded { offset, low, high } = refusal else {
@@ -196,4 +203,15 @@ fn a_rest_that_was_never_commanded_is_refused() {
         assert!(told.contains("-0.6200 m/s") && told.contains("--offset never"), "{told}");
     }
     estimate(&rows, 1, BOTH, OffsetRule::Never).expect("as it was asked for");
+}
+
+#[test]
+fn a_rest_that_was_never_commanded_is_left_out_where_the_model_predicts_as_well_without_it() {
+    let rows = never_at_rest(0.05, 0.05);
+    let velocity = Sources { pressure: false, ..BOTH };
+    estimate(&rows, 5, velocity, OffsetRule::Always).expect_err("nothing rests there");
+    let found = estimate(&rows, 5, velocity, OffsetRule::WhereItMatters).expect("it predicts");
+    let never = estimate(&rows, 5, velocity, OffsetRule::Never).expect("as it was asked for");
+    assert!(found.never_commanded.is_some_and(|offset| offset < 0.0), "{found:?}");
+    assert_eq!((found.theta, found.command_offset), (never.theta, None));
 }

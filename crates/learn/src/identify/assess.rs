@@ -129,6 +129,12 @@ impl Identified {
                 "it rests at a command of {offset:.4} m/s (command_offset), which is taken off"
             ));
         }
+        if let Some(offset) = self.estimate.never_commanded {
+            remarks.push(format!(
+                "it would rest at a command of {offset:.4} m/s, which was never given, so no offset is taken off \
+                 (--offset never); without it the model predicts as well"
+            ));
+        }
         remarks
     }
 }

@@ -18,6 +18,10 @@ const CONSTANT: usize = 4;
 const VELOCITY_STEP: usize = 5;
 const PRESSURE_STEP: usize = 6;
 
+/// Most by which the residual may grow where the constant is left out because the rest was never commanded, as a factor: beyond
+/// it the constant carries the motion, and the model without it is of another machine.
+const HARDLY: f64 = 1.05;
+
 /// Least offset that is worth a parameter, as a part of the command's standard deviation.
 const WORTHWHILE: f64 = 0.1;
 
@@ -31,7 +35,8 @@ pub enum OffsetRule {
     /// No constant, as in the thesis.
     Never,
     Always,
-    /// A constant if it is significant and exceeds a tenth of the command's standard deviation.
+    /// A constant if it is significant and exceeds a tenth of the command's standard deviation; none where the cylinder would
+    /// rest at a command that was never given and the model without it predicts as well.
     WhereItMatters,
 }
 
@@ -47,6 +52,8 @@ pub struct Estimate {
     pub gamma_errors: [f64; 2],
     /// Command at which the cylinder rests, m/s, where it was estimated.
     pub command_offset: Option<f64>,
+    /// Command at which it would rest, m/s, left out because it was never given.
+    pub never_commanded: Option<f64>,
     /// Load pressure at rest, bar; needed only for simulations.
     pub pressure_offset: f64,
     /// Regression (4-7).
@@ -120,12 +127,18 @@ impl Estimator {
                 _ => plain()?,
             },
         };
-        if let Some(offset) = estimate.command_offset.filter(|offset| offset.is_finite())
-            && !(self.command.low..=self.command.high).contains(&offset)
-        {
-            let Spread { low, high, .. } = self.command;
-            return Err(IdentificationRefusal::RestNeverCommanded { offset, low, high });
-        }
+        let Spread { low, high, .. } = self.command;
+        let offset = estimate.command_offset.filter(|offset| offset.is_finite());
+        let estimate = match offset.filter(|offset| !(low..=high).contains(offset)) {
+            None => estimate,
+            Some(offset) => {
+                let without = plain().ok().filter(|it| {
+                    rule == OffsetRule::WhereItMatters && predicts_as_well(it, &estimate)
+                });
+                let refusal = IdentificationRefusal::RestNeverCommanded { offset, low, high };
+                Estimate { never_commanded: Some(offset), ..without.ok_or(refusal)? }
+            }
+        };
         let numbers = estimate.theta.iter().chain(&estimate.gamma).chain(&estimate.command_offset);
         if numbers.copied().all(f64::is_finite) {
             Ok(estimate)
@@ -188,6 +201,13 @@ impl Estimator {
     }
 }
 
+/// Whether the model without a constant, `plain`, predicts as well as the one `with` it.
+fn predicts_as_well(plain: &Estimate, with: &Estimate) -> bool {
+    let pressures = plain.pressure_row.iter().zip(&with.pressure_row);
+    let mut rows = [(&plain.velocity_row, &with.velocity_row)].into_iter().chain(pressures);
+    rows.all(|(plain, with)| plain.residual_norm <= HARDLY * with.residual_norm)
+}
+
 /// Puts the coefficients of both rows into their places in (4-1).
 fn assemble(
     velocity: Regression,
@@ -216,6 +236,7 @@ fn assemble(
         theta_errors,
         gamma_errors,
         command_offset: constant.then_some(offset),
+        never_commanded: None,
         pressure_offset,
         velocity_row: velocity,
         pressure_row: pressure,
