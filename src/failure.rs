@@ -25,7 +25,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// A failure with its exit code: 1 if the command failed, 2 if the call or a file of the user's is
-/// wrong.
+/// wrong, 3 if the command did what it could and left something out.
 #[derive(Debug)]
 pub enum Failure {
     /// The configuration is refused.
@@ -34,6 +34,8 @@ pub enum Failure {
     Wrong(String),
     /// The command failed.
     Failed(String),
+    /// The command did what it could, and left something out.
+    Limited(String),
     /// The reader of the output has closed it.
     OutputClosed,
 }
@@ -44,6 +46,7 @@ impl Failure {
             Self::OutputClosed => 0,
             Self::Failed(_) => 1,
             Self::Config(_) | Self::Wrong(_) => 2,
+            Self::Limited(_) => 3,
         }
     }
 
@@ -92,7 +95,9 @@ impl Failure {
             }
             #[cfg(not(feature = "cli"))]
             Self::Config(error) => tell!("{error}"),
-            Self::Wrong(message) | Self::Failed(message) => tell!("tertius: {message}"),
+            Self::Wrong(message) | Self::Failed(message) | Self::Limited(message) => {
+                tell!("tertius: {message}");
+            }
             Self::OutputClosed => {}
         }
     }
@@ -102,7 +107,9 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Config(error) => write!(f, "{error}"),
-            Self::Wrong(message) | Self::Failed(message) => f.write_str(message),
+            Self::Wrong(message) | Self::Failed(message) | Self::Limited(message) => {
+                f.write_str(message)
+            }
             Self::OutputClosed => f.write_str("the output was closed"),
         }
     }

@@ -167,7 +167,7 @@ fn line(task: &Task, result: &Commissioned) -> Line {
     let cylinders = || taught.calibration.iter().flat_map(|it| &it.cylinders);
     let fitness = match &result.verdict.fitness {
         Fitness::Fit => "fit",
-        Fitness::Partly(_) => "partly",
+        Fitness::Partly { .. } => "partly",
         Fitness::Unfit => "unfit",
     };
     let spoilt = spoilt(task);

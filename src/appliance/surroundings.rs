@@ -142,6 +142,9 @@ impl Appliance {
                  `tertius commission` learns this machine's"
             );
         }
+        if let Some(off) = facts.switched_off {
+            warn!("{off} switched off by the configuration (fde.enabled, comparator.enabled)");
+        }
         if let Some(doubt) = alignment::doubt(&facts.not_calibrated) {
             warn!("{doubt}");
         }

@@ -90,8 +90,9 @@ impl Calibrate {
         let page = calibration::page(&result, &ReadWith::from(&study.surveyed.machine.loaded));
         let settings = &study.surveyed.machine.loaded.settings;
         let usable = result.usable(settings.comparator.critical);
-        let written =
-            usable.is_ok().then(|| learnt::calibration::of(&result, env!("CARGO_PKG_VERSION")));
+        let written = usable
+            .is_ok()
+            .then(|| learnt::calibration::of(&result, env!("CARGO_PKG_VERSION"), true));
         let written = written.flatten();
         tables::publish(&page, output, written.as_deref())?;
         let written_nothing = written.is_none();

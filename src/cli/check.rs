@@ -136,6 +136,7 @@ fn doubts(machine: &Machine) -> String {
     doubts.extend(fast_doubt(settings));
     doubts.extend(command_doubt(machine));
     doubts.extend(model_doubt(machine));
+    doubts.extend(off_doubt(machine));
     doubts.extend(alignment::doubt(&settings.unaligned()).map(|it| format!("cylinder: {it}")));
     doubts.extend(run::not_built(settings));
     if doubts.is_empty() {
@@ -205,6 +206,15 @@ fn foreign_time(machine: &Machine) -> Option<f64> {
     let ours = settings.machine.sample_time;
     let mut times = (1..=settings.machine.cylinders).filter_map(|n| settings.model_time_of(n));
     times.find(|time| (time - ours).abs() > SAME_TIME)
+}
+
+/// Detectors that the configuration switches off.
+fn off_doubt(machine: &Machine) -> Option<String> {
+    let off = machine.loaded.settings.switched_off()?;
+    Some(format!(
+        "fde.enabled, comparator.enabled: {off} switched off; `tertius commission` does so where their threshold would be \
+         too large to find a fault, and switches them on again where it is not"
+    ))
 }
 
 /// A machine without a model of its own, which R1 and R2 judge by that of another one.

@@ -25,7 +25,8 @@ use std::path::{Path, PathBuf};
                   config/e-type.toml --report commissioning.html\n\nThe configuration is changed \
                   in place: comments and order stay, and a copy of the previous file is kept beside it. A \
                   result that is not fit for use is not written; the exit code is then 1, and the reasons \
-                  are given.\n\nRecordings of several days add up if each call says so:\n  tertius commission \
+                  are given. The exit code is 3 if it is written without the detectors whose threshold would be too large \
+                  to find a fault.\n\nRecordings of several days add up if each call says so:\n  tertius commission \
                   wednesday.log.zst --config config/e-type.toml --update")]
 pub struct Commission {
     #[command(flatten)]
@@ -92,7 +93,8 @@ impl Commission {
             report.write(&figures(&study, &result)?)?;
         }
         self.judge(&result)?;
-        self.write(&study, &result.taught, output)
+        self.write(&study, &result.taught, output)?;
+        limited(&result)
     }
 
     /// Claims the files that are written, the configuration among them.
@@ -119,8 +121,10 @@ impl Commission {
         let verdict = &result.verdict;
         match &verdict.fitness {
             Fitness::Fit => Ok(()),
-            Fitness::Partly(_) if self.accept_refused => Ok(()),
-            Fitness::Partly(_) | Fitness::Unfit => {
+            Fitness::Partly { cylinders, .. } if cylinders.is_empty() || self.accept_refused => {
+                Ok(())
+            }
+            Fitness::Partly { .. } | Fitness::Unfit => {
                 // The reasons are on the page.
                 Err(Failure::Failed(format!("{}; nothing was written", verdict.sentence)))
             }
@@ -149,6 +153,18 @@ impl Commission {
         let moved = moved(config, path, after)?;
         tables::approve(path, &moved, design::judging)?;
         output.map_or(Ok(()), |output| output.write(&moved))
+    }
+}
+
+/// That what was written leaves detectors out, so that whoever called can tell it from a machine that is fit.
+fn limited(result: &Commissioned) -> Result<(), Failure> {
+    match &result.verdict.fitness {
+        Fitness::Partly { without, .. } if !without.is_empty() => {
+            let detectors: Vec<&str> = without.iter().map(|it| it.detectors()).collect();
+            let detectors = detectors.join(" and ");
+            Err(Failure::Limited(format!("the tables have no {detectors}; the page says why")))
+        }
+        _ => Ok(()),
     }
 }
 

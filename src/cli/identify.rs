@@ -145,7 +145,8 @@ impl Identify {
 
     /// Fails if a cylinder has no model, although the others have theirs.
     fn conclude(&self, outcome: &Outcome) -> Result<(), Failure> {
-        outcome.follows(self.per_cylinder).map_err(Failure::Failed)?;
+        let follows = outcome.follows(self.per_cylinder);
+        follows.map_err(|why| Failure::Failed(format!("nothing is written: {why}")))?;
         let refused = outcome.refusals();
         match (refused.is_empty(), outcome.choice, self.model_of) {
             (true, Some(_), _) => Ok(()),

@@ -308,6 +308,7 @@ impl Replay {
             names: &names,
             fingerprints: &machine.loaded.fingerprints(),
             has_model: machine.loaded.has_model(),
+            switched_off: machine.loaded.settings.switched_off(),
             judgement,
             remarks: &remarks,
             statistics,

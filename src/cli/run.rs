@@ -94,6 +94,7 @@ pub fn facts(machine: &Machine) -> MachineFacts {
         calibration: fingerprints.calibration.map(|it| it.to_string()),
         calibration_recorded: fingerprints.recorded,
         has_model: machine.loaded.has_model(),
+        switched_off: machine.loaded.settings.switched_off(),
         not_calibrated: machine.loaded.settings.unaligned(),
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
         platform_states: machine.platform_states(),

@@ -6,7 +6,7 @@ use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::calibrate::Calibration;
 use crate::commission::trial::{DETECTORS, KindResult};
-use crate::commission::{Commissioned, Fitness, Trial, coverage};
+use crate::commission::{Commissioned, Fitness, Taught, Threshold, Trial, coverage};
 use crate::evaluate::{CONFIDENCE, poisson_upper};
 use crate::extremes::four_digits;
 use crate::report::ReadWith;
@@ -37,6 +37,8 @@ pub fn page(result: &Commissioned, with: &ReadWith) -> String {
     text += &listed("to be known", &remarks(result));
     text
 }
+
+const LEFT_OUT: &str = "left out";
 
 fn listed(head: &str, lines: &[String]) -> String {
     if lines.is_empty() {
@@ -70,13 +72,15 @@ pub fn tables(result: &Commissioned) -> Section {
     }
     if let Some(bound) = taught.calibration.as_ref().and_then(|it| it.bound) {
         let of = format!("largest |C1 − Ĉ2| seen {}", length(bound.worst));
-        add("bound of R3", length(four_digits(bound.level)), of);
+        let off = off(taught, Threshold::OfDifference);
+        add("bound of R3", format!("{}{off}", length(four_digits(bound.level))), of);
     }
     if let Some(tuning) = &taught.tuning {
         let worst = tuning.detectors.iter().filter_map(|it| it.tail).map(|it| it.worst);
         let of = format!("largest |R1|, |R2| seen {}", length(worst.fold(0.0, f64::max)));
         let [low, high] = [tuning.thresholds.low, tuning.thresholds.high].map(four_digits);
-        add("δ_l, δ_h of R1 and R2", format!("{}, {}", length(low), length(high)), of);
+        let off = off(taught, Threshold::OfObservers);
+        add("δ_l, δ_h of R1 and R2", format!("{}, {}{off}", length(low), length(high)), of);
     }
     let cylinders = || taught.calibration.iter().flat_map(|it| &it.cylinders);
     let sequential = cylinders().filter(|it| it.sequential.is_some());
@@ -112,6 +116,11 @@ pub fn tables(result: &Commissioned) -> Section {
     table.about("what was learnt")
 }
 
+/// That the detectors of `threshold` are left out.
+fn off(taught: &Taught, threshold: Threshold) -> &'static str {
+    if taught.is_left_out(threshold) { ": left out" } else { "" }
+}
+
 fn ends(values: &[f64]) -> Option<[f64; 2]> {
     let low = values.iter().copied().reduce(f64::min)?;
     Some([low, values.iter().copied().fold(low, f64::max)])
@@ -137,7 +146,18 @@ pub fn trial(result: &Commissioned) -> Section {
         let all = trial.false_alarms.iter().chain(&trial.of_process);
         let count = all.filter(|it| it.detector == detector).count() as u64;
         let most = poisson_upper(count, CONFIDENCE) / (trial.held / 3600.0);
-        let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
+        let judged = match detector {
+            Detector::Sequential => known(trial),
+            Detector::Fde3 if result.taught.is_left_out(Threshold::OfDifference) => {
+                LEFT_OUT.to_owned()
+            }
+            Detector::Fde1 | Detector::Fde2
+                if result.taught.is_left_out(Threshold::OfObservers) =>
+            {
+                LEFT_OUT.to_owned()
+            }
+            _ => "–".to_owned(),
+        };
         table.add_row([name(detector), count.to_string(), format!("{most:.0}"), judged]);
     }
     table.about(format!("trial on {:.1} min held back: as recorded", trial.held / 60.0))

@@ -65,6 +65,8 @@ pub struct Summary<'a> {
     pub fingerprints: &'a Fingerprints,
     /// Whether the machine has a model of its own; otherwise R1 and R2 are those of the thesis's.
     pub has_model: bool,
+    /// Detectors that the configuration switches off, in words; `None` if all judge.
+    pub switched_off: Option<&'a str>,
     pub judgement: &'a Judgement,
     /// What of the cycle is other than the configuration says; empty where all is as it says.
     pub remarks: &'a [String],

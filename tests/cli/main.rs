@@ -42,4 +42,5 @@ mod simulate;
 mod single;
 mod stamps;
 mod state;
+mod switched_off;
 mod terminal;

@@ -106,7 +106,7 @@ fn problems_name_the_override_and_not_the_file() {
         ),
         (
             "fde=3",
-            "--set fde=3: `fde` is a table, of which single keys can be overridden (they are fde.low, fde.high, fde.joint, fde.command, fde.command_change)",
+            "--set fde=3: `fde` is a table, of which single keys can be overridden (they are fde.enabled, fde.low, fde.high, fde.joint, fde.command, fde.command_change)",
         ),
         (
             "cylinder.theta=1",

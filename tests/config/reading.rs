@@ -28,9 +28,19 @@ fn absent_tables_have_the_values_of_the_thesis() {
         settings.observer,
         Observer { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0], settle: 1.0, sample_time: None }
     );
-    let fde = Fde { low: 7.5e-4, high: 1e-3, joint: None, command: None, command_change: None };
+    let fde = Fde {
+        enabled: true,
+        low: 7.5e-4,
+        high: 1e-3,
+        joint: None,
+        command: None,
+        command_change: None,
+    };
     assert_eq!(settings.fde, fde);
-    assert_eq!(settings.comparator, Comparator { bound: 1.5e-3, low: None, critical: 0.05 });
+    assert_eq!(
+        settings.comparator,
+        Comparator { enabled: true, bound: 1.5e-3, low: None, critical: 0.05 }
+    );
     assert_eq!(settings.comparator_low(), 0.75 * 1.5e-3);
     assert_eq!(settings.cycle_deadline(), 0.016);
     assert_eq!(settings.machine.max_gap, 0.1);

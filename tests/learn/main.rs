@@ -17,6 +17,7 @@ mod learned_configuration;
 mod learning_support;
 mod nonlinear;
 mod order;
+mod partly;
 mod rates;
 mod report_learning;
 mod single;

@@ -22,6 +22,12 @@ pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError>
     if is_calibration(&learnt) {
         forget_supply(&mut document);
     }
+    // A threshold that was learnt is one to judge by, whatever an earlier recording gave.
+    for (table, threshold) in [("fde", "high"), ("comparator", "bound")] {
+        if learnt.get(table).and_then(|it| it.get(threshold)).is_some() {
+            forget_switch(&mut document, table);
+        }
+    }
     for (key, item) in learnt.iter() {
         match item.as_array_of_tables().filter(|_| key == "cylinder") {
             Some(learnt) => put_cylinders(document.as_table_mut(), learnt),
@@ -119,6 +125,13 @@ fn is_calibration(learnt: &DocumentMut) -> bool {
 fn forget_supply(document: &mut DocumentMut) {
     if let Some(process) = document.get_mut("process").and_then(Item::as_table_like_mut) {
         process.remove("supply");
+    }
+}
+
+/// Lets the detectors of `table` judge again.
+fn forget_switch(document: &mut DocumentMut, table: &str) {
+    if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
+        table.remove("enabled");
     }
 }
 
@@ -337,6 +350,19 @@ nodes = [7.0]
         assert!(text.contains("c2_gain = 3.5") && !text.contains("sequential"), "{text}");
         let model = "[[cylinder]]\nn = 2\ntheta = [5.0]\n";
         assert!(put(CONFIGURATION, model, &[]).expect("both are TOML").contains("nodes = [1.0]"));
+    }
+
+    #[test]
+    fn a_detector_that_was_left_out_judges_again_where_a_threshold_of_it_is_learnt() {
+        let off = "[fde]\nenabled = false\nhigh = 0.006\n\n[comparator]\nenabled = false\n";
+        let tuned = put(off, "[fde]\nhigh = 0.002\n", &[]).expect("both are TOML");
+        assert!(
+            tuned.starts_with("[fde]\nhigh = 0.002\n\n[comparator]\nenabled = false\n"),
+            "{tuned}"
+        );
+        let calibrated = put(off, "[comparator]\nbound = 0.002\n", &[]).expect("both are TOML");
+        assert!(calibrated.contains("[fde]\nenabled = false\n"), "{calibrated}");
+        assert!(calibrated.contains("[comparator]\nbound = 0.002\n"), "{calibrated}");
     }
 
     #[test]

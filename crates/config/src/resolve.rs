@@ -113,6 +113,16 @@ impl Settings {
         self.machine.cycle_deadline.unwrap_or(0.8 * self.machine.sample_time)
     }
 
+    /// Detectors that are switched off, by their names; `None` if all judge.
+    pub const fn switched_off(&self) -> Option<&'static str> {
+        match (self.fde.enabled, self.comparator.enabled) {
+            (true, true) => None,
+            (false, true) => Some("FDE1 and FDE2"),
+            (true, false) => Some("FDE3"),
+            (false, false) => Some("FDE1, FDE2 and FDE3"),
+        }
+    }
+
     /// Threshold below which |R3| counts towards clearing, m.
     pub fn comparator_low(&self) -> f64 {
         self.comparator.low.unwrap_or(0.75 * self.comparator.bound)

@@ -97,8 +97,15 @@ impl Telemetry {
         if let Some(reason) = self.silence(now) {
             return (Condition::Unknown, reason);
         }
+        let off = self.facts().switched_off;
         let (condition, reason) = match mode {
             Some(mode) if mode == Mode::Monitoring as u8 => match self.all_healthy() {
+                true if let Some(off) = off => {
+                    return (
+                        Condition::Ok,
+                        format!("no warning stands; {off} switched off by the configuration"),
+                    );
+                }
                 true => (Condition::Ok, "everything is judged, and no warning stands"),
                 false => (Condition::Unknown, "not every transducer is known to be healthy"),
             },

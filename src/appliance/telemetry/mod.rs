@@ -137,6 +137,9 @@ pub struct MachineFacts {
     pub calibration_recorded: Option<String>,
     /// Whether the configuration has a model of the machine.
     pub has_model: bool,
+    /// Detectors that the configuration switches off, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub switched_off: Option<&'static str>,
     /// Cylinders with a C2 that no calibration has compared with their C1.
     pub not_calibrated: Vec<u8>,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m; infinite, and `null` in JSON, where

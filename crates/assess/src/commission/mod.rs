@@ -7,6 +7,7 @@
 //!
 //! - [`stages`]: the three rooms that learn, each with the tables of the one before ([`Taught`]).
 //! - [`holding`]: what is held back from learning: the blocks of the trial, and places with a fault.
+//! - [`off`]: detectors that are left out, because no threshold of them would be of use.
 //! - [`trial`]: the monitor on blocks that its tables do not know: what it reports of a healthy machine,
 //!   and of [`faults`] that are put into them.
 //! - [`coverage`]: what a longer recording would add, and where on the stroke.
@@ -17,12 +18,14 @@
 pub mod coverage;
 pub mod faults;
 pub mod holding;
+pub mod off;
 mod shortness;
 pub mod stages;
 pub mod trial;
 pub mod verdict;
 
 pub use coverage::Coverage;
+pub use off::{LeftOut, Threshold};
 pub use stages::{Refused, Stage, Taught};
 pub use trial::Trial;
 pub use verdict::{Fitness, Verdict};
@@ -95,7 +98,13 @@ impl Task<'_> {
         if taught.is_whole() {
             let blocks = Blocks::of(self.origin.window, self.origin.timeline.ranking());
             let told = |stage| tell(Step::Rehearse(stage));
-            rehearsed = Some((lesson(Some(blocks.clone())).teach(cuts, told)?, blocks));
+            let mut rehearsal = lesson(Some(blocks.clone())).teach(cuts, told)?;
+            if rehearsal.is_whole()
+                && let Err(why) = taught.agree_with(&mut rehearsal)
+            {
+                rehearsal.failed = Some((Stage::Tune, why));
+            }
+            rehearsed = Some((rehearsal, blocks));
         }
         let trial = match &rehearsed {
             Some((rehearsal, blocks)) if rehearsal.is_whole() => {

@@ -2,15 +2,14 @@
 
 use super::Task;
 use super::holding::{Blocks, Without};
-use super::trial::{FalseAlarm, Trial};
+use super::off::{LeftOut, Threshold};
 use std::fmt;
 use tertius_config::design::{self, Flaw};
 use tertius_config::settings::Settings;
 use tertius_config::{self as config, MachineNames, edit};
 use tertius_core::monitor::MonitorDesign;
-use tertius_core::verdict::Fault;
 use tertius_learn::calibrate;
-use tertius_learn::calibrate::{Calibration, Cuts, CylinderCalibration};
+use tertius_learn::calibrate::{Calibration, Cuts};
 use tertius_learn::identify;
 use tertius_learn::identify::Outcome;
 use tertius_learn::identify::course::Options;
@@ -59,6 +58,9 @@ pub struct Taught {
     pub calibration: Option<Calibration>,
     pub tuning: Option<Tuning>,
     pub refused: Vec<Refused>,
+    pub left_out: Vec<LeftOut>,
+    /// Why the model says nothing of this machine, so that no observer can judge by it.
+    pub does_not_follow: Option<String>,
     /// The stage that failed, and why; later stages were not tried.
     pub failed: Option<(Stage, String)>,
 }
@@ -82,58 +84,16 @@ impl Taught {
         cylinders
     }
 
-    /// Leaves out the process detectors that warn in the trial, which may be wrong with a valve that is not like itself
-    /// for long; the transducers are watched all the same.
-    pub(super) fn without_process(&mut self, trial: &Trial) {
-        let Some(calibration) = &mut self.calibration else { return };
-        let mut alarms = trial.of_process.clone();
-        if let Some(t) = trial.of_supply {
-            leave_out_supply(&mut self.text, calibration, t);
-            alarms.retain(|alarm| alarm.fault != Fault::Supply);
-        }
-        leave_out(&mut self.text, &mut calibration.cylinders, &alarms);
-    }
-
     fn refuse(&mut self, by: Stage, refusals: Vec<(u8, String)>) {
         let refused = refusals.into_iter().map(|(cylinder, why)| Refused { cylinder, by, why });
         self.refused.extend(refused);
     }
 
-    fn put(&mut self, tables: &str, anew: &[&str]) -> Result<(), String> {
-        self.text = edit::put(&self.text, tables, anew)
-            .map_err(|error| format!("the configuration cannot be edited: {error}"))?;
-        Ok(())
+    pub(super) fn put(&mut self, tables: &str, anew: &[&str]) -> Result<(), String> {
+        let text = edit::put(&self.text, tables, anew);
+        self.text = text.map_err(|error| format!("the configuration cannot be edited: {error}"))?;
+        self.keep_left_out()
     }
-}
-
-/// Takes the process detectors that raised these `alarms` out of the configuration's `text`, and says so in the
-/// remarks of their cylinders.
-fn leave_out(text: &mut String, cylinders: &mut [CylinderCalibration], alarms: &[FalseAlarm]) {
-    for FalseAlarm { t, cylinder, .. } in alarms {
-        let of_n = |it: &&mut CylinderCalibration| it.number == *cylinder && it.process.is_some();
-        let taught = cylinders.iter_mut().find(of_n);
-        let (Some(taught), Ok(without)) = (taught, edit::without(text, *cylinder, "process"))
-        else {
-            continue;
-        };
-        *text = without;
-        taught.process = None;
-        taught.remarks.push(format!(
-            "no process detector: the one of the trial, which does not know that block, warns {t:.1} s after the \
-             first frame; is there a fault in the recording?"
-        ));
-    }
-}
-
-/// Takes the relation of the supply, which fell short of it at `t`, s, out of the configuration's `text`, and says so.
-fn leave_out_supply(text: &mut String, calibration: &mut Calibration, t: f64) {
-    let Ok(without) = edit::without_supply(text) else { return };
-    *text = without;
-    calibration.supply = None;
-    calibration.remarks.push(format!(
-        "no process detector by the supply: that of the trial, which does not know that block, warns {t:.1} s after the \
-         first frame; is there a fault in the recording?"
-    ));
 }
 
 /// Gives the stages the frames that are not held back.
@@ -190,12 +150,15 @@ impl<F: Frames> Lesson<'_, F> {
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());
         let learnt = tables::model::of(&outcome, self.task.version, false);
-        let follows = outcome.follows(false);
-        taught.identification = Some(outcome);
         // Whether the model follows is told by all of the recording; a rehearsal's is tried by the monitor.
-        if self.blocks.is_none() {
+        let follows = if self.blocks.is_none() { outcome.follows(false) } else { Ok(()) };
+        if outcome.follows_nowhere() {
+            taught.does_not_follow = follows.err();
+        } else {
+            // It is one cylinder whose command is wrong, or which is faulty.
             follows.map_err(failed)?;
         }
+        taught.identification = Some(outcome);
         let none = || failed(nothing(taught, "there is no model"));
         let learnt = learnt.ok_or_else(none)?;
         taught.put(&learnt, &tables::model::OF_A_MODEL).map_err(failed)
@@ -216,15 +179,24 @@ impl<F: Frames> Lesson<'_, F> {
         let result = Calibration::of(&course, &self.recording(&design, cuts), origin)
             .map_err(Stopped::Recording)?;
         taught.refuse(Stage::Calibrate, result.refusals());
-        let learnt = tables::calibration::of(&result, version);
-        let usable = result.usable(settings.comparator.critical);
+        let useless = result.usable(settings.comparator.critical).err();
+        let learnt = tables::calibration::of(&result, version, useless.is_none());
         let has_c2 = result.has_c2();
         taught.calibration = Some(result);
-        usable.map_err(failed)?;
         taught.any_left(settings.machine.cylinders).map_err(failed)?;
         match learnt {
-            Some(learnt) => taught.put(&learnt, &[]).map_err(failed),
-            None if has_c2 => Err(failed(nothing(taught, "no cylinder has a calibration"))),
+            Some(learnt) => taught.put(&learnt, &[]).map_err(failed)?,
+            None if has_c2 => return Err(failed(nothing(taught, "no cylinder has a calibration"))),
+            None => {}
+        }
+        if let Some(why) = taught.does_not_follow.clone() {
+            let why = taught.leave_out(Threshold::OfObservers, Stage::Identify, why);
+            why.map_err(|why| Stopped::Failed(Stage::Identify, why))?;
+        }
+        match useless {
+            Some(why) => {
+                taught.leave_out(Threshold::OfDifference, Stage::Calibrate, why).map_err(failed)
+            }
             None => Ok(()),
         }
     }
@@ -247,11 +219,13 @@ impl<F: Frames> Lesson<'_, F> {
             Untuned::Recording(error) => Stopped::Recording(error),
             Untuned::TooLittle(why) => failed(why),
         })?;
+        let useless = result.usable(&settings).err();
         let learnt = tables::tuning::of(&result, version);
-        let usable = result.usable(&settings);
         taught.tuning = Some(result);
-        usable.map_err(failed)?;
         taught.put(&learnt, &[]).map_err(failed)?;
+        if let Some(why) = useless {
+            taught.leave_out(Threshold::OfObservers, Stage::Tune, why).map_err(failed)?;
+        }
         self.machine(taught).map(drop).map_err(failed)
     }
 
@@ -289,14 +263,13 @@ fn nothing(taught: &Taught, what: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use tertius_core::alarm::Detector;
-    use tertius_learn::calibrate::CalibrationRefusal;
-    use tertius_learn::relate::{LearntProcess, ProcessRefusal};
+    use tertius_learn::calibrate::{CalibrationRefusal, CylinderCalibration};
+    use tertius_learn::relate::LearntProcess;
     use tertius_learn::survey::{Timeline, Window};
 
-    fn cylinder(number: u8) -> CylinderCalibration {
+    pub fn cylinder(number: u8) -> CylinderCalibration {
         CylinderCalibration {
             sample_time: 0.02,
             number,
@@ -317,68 +290,17 @@ mod tests {
         }
     }
 
-    /// One fault of the supply, which all cylinders tell: they keep their detectors.
-    #[test]
-    fn a_supply_that_warns_in_the_trial_is_left_out_and_the_cylinders_are_not() {
-        let own = "[[cylinder]]\nn = 2\n[cylinder.process]\nlevel = 2\n";
-        let text =
-            format!("[process]\nlevel = 30.0\n\n[process.supply]\nreference = 230.0\n\n{own}");
-        let calibration = Calibration {
+    pub fn calibration(cylinders: Vec<CylinderCalibration>) -> Calibration {
+        Calibration {
             machine: String::new(),
             inputs: String::new(),
             timeline: Timeline::default(),
             fitted: Window::ALL,
             tried: Window::ALL,
-            cylinders: vec![cylinder(1), cylinder(2)],
+            cylinders,
             bound: None,
-            supply: Some(Err(ProcessRefusal::Undetermined)),
+            supply: None,
             remarks: Vec::new(),
-        };
-        let mut taught = Taught { text, calibration: Some(calibration), ..Taught::default() };
-        let alarm = |cylinder, fault| FalseAlarm {
-            t: 61.25,
-            cylinder,
-            detector: Detector::Process,
-            fault,
-            stands: false,
-        };
-        taught.without_process(&Trial {
-            held: 300.0,
-            false_alarms: Vec::new(),
-            of_process: vec![alarm(1, Fault::Supply), alarm(2, Fault::Supply)],
-            of_supply: Some(61.25),
-            known: Vec::new(),
-            kinds: Vec::new(),
-        });
-        assert_eq!(taught.text, format!("[process]\nlevel = 30.0\n\n{own}"));
-        let calibration = taught.calibration.expect("it is there");
-        assert!(calibration.supply.is_none());
-        assert!(
-            calibration.cylinders.iter().all(|it| it.process.is_some() && it.remarks.is_empty())
-        );
-        let [remark] = &calibration.remarks[..] else { panic!("{:?}", calibration.remarks) };
-        assert!(remark.contains("by the supply") && remark.contains("61.2 s"), "{remark}");
-    }
-
-    #[test]
-    fn what_warns_in_the_trial_is_left_out_of_its_cylinder_alone_and_said_once() {
-        let own =
-            |n: u8| format!("[[cylinder]] # the {n}\nn = {n}\n[cylinder.process]\nlevel = {n}\n\n");
-        let mut text = own(1) + &own(2);
-        let mut cylinders = [cylinder(1), cylinder(2)];
-        let alarm = |t| FalseAlarm {
-            t,
-            cylinder: 2,
-            detector: Detector::Process,
-            fault: Fault::Leakage,
-            stands: false,
-        };
-        leave_out(&mut text, &mut cylinders, &[alarm(61.25), alarm(75.0)]);
-        assert!(text.starts_with(&own(1)), "{text}");
-        assert!(text.contains("\nn = 2") && !text.contains("level = 2"), "{text}");
-        assert!(cylinders[0].process.is_some() && cylinders[0].remarks.is_empty());
-        assert!(cylinders[1].process.is_none());
-        let [remark] = &cylinders[1].remarks[..] else { panic!("{:?}", cylinders[1].remarks) };
-        assert!(remark.contains("61.2 s"), "{remark}");
+        }
     }
 }

@@ -37,6 +37,13 @@ pub struct FalseAlarm {
     pub stands: bool,
 }
 
+impl FalseAlarm {
+    /// Whether a reading counts as frozen, which of all plausibility checks alone depends on how the machine is driven.
+    pub fn is_frozen(&self) -> bool {
+        self.detector == Detector::Plausibility && self.fault == Fault::Frozen
+    }
+}
+
 /// Time for which a warning stands in blocks that are held back, s, from which on it counts there, wherever it was raised: a
 /// fault that begins in a block of the lesson does not end with it.
 const LASTING: f64 = 10.0;
@@ -286,7 +293,7 @@ impl Trying<'_> {
 
     fn false_alarms(&self) -> Vec<FalseAlarm> {
         let counts = |it: &FalseAlarm| {
-            DETECTORS.contains(&it.detector)
+            (DETECTORS.contains(&it.detector) || it.is_frozen())
                 && self.cylinders.contains(&it.cylinder)
                 && !self.course.cuts.hold(it.cylinder, it.t)
         };

@@ -1,6 +1,7 @@
 //! Whether the configuration is fit for use, in a sentence.
 
 use super::faults::FaultKind;
+use super::off::{LeftOut, Threshold};
 use super::stages::{Refused, Stage, Taught};
 use super::trial::{KindResult, Trial};
 use crate::evaluate::poisson_upper;
@@ -11,8 +12,11 @@ use tertius_learn::extremes::HOURS_PER_YEAR;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fitness {
     Fit,
-    /// It can be used except for these cylinders.
-    Partly(Vec<u8>),
+    /// It can be used except for these cylinders, and without the detectors of these thresholds; one of both is not empty.
+    Partly {
+        cylinders: Vec<u8>,
+        without: Vec<Threshold>,
+    },
     Unfit,
 }
 
@@ -50,6 +54,7 @@ impl Verdict {
         let refused = taught.refused_cylinders();
         let mut reasons: Vec<String> =
             taught.refused.iter().map(|it| told(it, &taught.names)).collect();
+        reasons.extend(taught.left_out.iter().map(LeftOut::to_string));
         let mut advice = Vec::new();
         let unfit = match (&taught.failed, trial) {
             (Some((_, why)), _) if taught.told_too_short().as_ref() == Some(why) => {
@@ -70,22 +75,23 @@ impl Verdict {
             }
             (None, Some(trial)) => wrongs(taught, trial, &mut reasons, &mut advice),
         };
-        let (name, machine) = (&taught.machine, listed(&refused, &taught.names));
-        let (fitness, sentence) = match (unfit, &refused[..], trial) {
-            (Some(why), ..) => (Fitness::Unfit, format!("{name} is not fit for use: {why}")),
-            (None, [], Some(trial)) => {
-                (Fitness::Fit, format!("{name} is fit for use: {}", finds(trial)))
-            }
-            (None, _, trial) => {
-                let longer = taught.told_too_short().map(|_| LONGER);
-                advice.extend(longer.into_iter().chain([PARTLY]).map(str::to_owned));
-                let finds = trial.map(finds).unwrap_or_default();
-                let sentence = format!(
-                    "{name} is fit for use except for {machine}: \
-                    {finds}"
-                );
-                (Fitness::Partly(refused.clone()), sentence)
-            }
+        let name = &taught.machine;
+        if let Some(why) = unfit {
+            let sentence = format!("{name} is not fit for use: {why}");
+            return Self { fitness: Fitness::Unfit, sentence, reasons, advice };
+        }
+        if !refused.is_empty() {
+            let longer = taught.told_too_short().map(|_| LONGER);
+            advice.extend(longer.into_iter().chain([PARTLY]).map(str::to_owned));
+        }
+        let without: Vec<Threshold> =
+            Threshold::ALL.into_iter().filter(|it| taught.is_left_out(*it)).collect();
+        let except = except(&refused, &without, &taught.names);
+        let finds = trial.map(finds).unwrap_or_default();
+        let sentence = format!("{name} is fit for use{except}: {finds}");
+        let fitness = match (&refused[..], &without[..]) {
+            ([], []) => Fitness::Fit,
+            _ => Fitness::Partly { cylinders: refused, without },
         };
         Self { fitness, sentence, reasons, advice }
     }
@@ -96,6 +102,9 @@ const ADVICE: &str = "correct what is named above and record again; `tertius ide
                       `tune` show what each step saw (--report)";
 
 const LONGER: &str = "record for longer; a quarter of an hour at work is enough";
+
+const FROZEN: &str = "a rod that rests counts as frozen: raise plausibility.frozen_speed above the largest command at which it \
+    rests, or plausibility.frozen beyond the longest rest";
 
 const PARTLY: &str = "repair the cylinder and record again, or accept the tables of the others \
     (--accept-refused): the refused one keeps its present tables";
@@ -112,6 +121,19 @@ const fn nothing(stage: Stage) -> &'static str {
 fn told(refused: &Refused, names: &MachineNames) -> String {
     let cylinder = names.cylinder(refused.cylinder);
     format!("{cylinder} is refused ({}): {}", refused.by, refused.why)
+}
+
+/// What cannot be used: ` except for cylinder 3`, ` but for FDE1 and FDE2`, or both.
+fn except(refused: &[u8], without: &[Threshold], names: &MachineNames) -> String {
+    let mut text = String::new();
+    if !refused.is_empty() {
+        text += &format!(" except for {}", listed(refused, names));
+    }
+    if !without.is_empty() {
+        let detectors: Vec<&str> = without.iter().map(|it| it.detectors()).collect();
+        text += &format!(" but for {}", detectors.join(" and "));
+    }
+    text
 }
 
 /// `cylinder 3, 4`, or `cylinder 3 FwdPort, 4`.
@@ -147,6 +169,15 @@ fn wrongs(
             let verb = if alarm.stands { "has a standing warning" } else { "warns" };
             format!("{detector} of {cylinder} {verb} at {t:.1} s")
         }));
+        // A load that is held was called frozen twelve times in five minutes.
+        let frozen = trial.false_alarms.iter().filter(|it| it.is_frozen()).count() as u64;
+        if frozen > 0 {
+            advice.push(FROZEN.to_owned());
+        }
+        if frozen == heard {
+            let held = trial.held / 60.0;
+            return Some(format!("{} in {held:.1} min that were held back", counted(heard)));
+        }
         advice.push(
             "look there (`replay --report`): is it a fault, or are readings off now and then? \
              Leave a fault out (--from, --to), or record again"
@@ -165,6 +196,14 @@ fn wrongs(
     // By C1 alone a step of 1 mm only reaches the thesis's threshold; the remarks say what is not found.
     if taught.calibration.as_ref().is_some_and(|it| !it.has_c2()) {
         return None;
+    }
+    if !taught.left_out.is_empty() {
+        // What the others find of so rough a machine is in the sentence; it has to be something.
+        let found = trial.kinds.iter().any(|it| !it.delays.is_empty());
+        return (!found).then(|| {
+            advice.push(ADVICE.to_owned());
+            "what is left finds none of the faults that were tried".to_owned()
+        });
     }
     let one = trial.kinds.iter().find(|it| it.kind == FaultKind::Step(1e-3))?;
     let blind = one.tried >= ENOUGH && (one.delays.len() as f64) < LEAST_FOUND * one.tried as f64;
@@ -275,6 +314,17 @@ mod tests {
     }
 
     #[test]
+    fn a_rod_that_rests_and_counts_as_frozen_is_no_fit_machine_and_no_rate_of_false_alarms() {
+        let mut heard = trial(12);
+        let (detector, fault) = (Detector::Plausibility, Fault::Frozen);
+        heard.false_alarms.push(FalseAlarm { t: 9.0, cylinder: 1, detector, fault, stands: false });
+        let unfit = Verdict::of(&taught(), Some(&taught()), Some(&heard));
+        assert_eq!(unfit.fitness, Fitness::Unfit);
+        assert_eq!(unfit.reasons, ["plausibility of cylinder 1 warns at 9.0 s"]);
+        assert_eq!(unfit.advice, [FROZEN]);
+    }
+
+    #[test]
     fn cylinders_that_speak_against_it_have_their_names() {
         let own = "\n[[cylinder]]\nn = 4\nname = \"AftPort\"\n";
         let text = format!("{}{own}", include_str!("../../../../config/e-type.toml"));
@@ -295,6 +345,27 @@ mod tests {
     }
 
     #[test]
+    fn a_machine_without_its_observers_is_fit_but_for_them_if_the_others_find_anything() {
+        let why = "the threshold would be 6.0 mm".to_owned();
+        let left_out = vec![LeftOut { threshold: Threshold::OfObservers, by: Stage::Tune, why }];
+        let taught = Taught { left_out, ..taught() };
+        let verdict = Verdict::of(&taught, Some(&taught), Some(&trial(1)));
+        let without = vec![Threshold::OfObservers];
+        assert_eq!(verdict.fitness, Fitness::Partly { cylinders: Vec::new(), without });
+        assert!(
+            verdict.sentence.starts_with("It is fit for use but for FDE1 and FDE2: no false"),
+            "{}",
+            verdict.sentence
+        );
+        assert_eq!(
+            verdict.reasons,
+            ["FDE1 and FDE2 left out (tune): the threshold would be 6.0 mm"]
+        );
+        let blind = Verdict::of(&taught, Some(&taught), Some(&trial(0)));
+        assert_eq!(blind.fitness, Fitness::Unfit);
+    }
+
+    #[test]
     fn who_finds_little_is_not_fit() {
         let fitness = |found| Verdict::of(&taught(), Some(&taught()), Some(&trial(found))).fitness;
         assert_eq!([5, 6].map(fitness), [Fitness::Unfit, Fitness::Fit]);
@@ -307,7 +378,7 @@ mod tests {
             partly.refused.push(Refused { cylinder: 3, by, why: "so".to_owned() });
         }
         let verdict = Verdict::of(&partly, Some(&taught()), Some(&trial(12)));
-        assert_eq!(verdict.fitness, Fitness::Partly(vec![3]));
+        assert_eq!(verdict.fitness, Fitness::Partly { cylinders: vec![3], without: Vec::new() });
         assert!(verdict.sentence.starts_with("It is fit for use except for cylinder 3: no false"));
         assert_eq!(verdict.reasons.len(), 2);
         let mut short = taught();

@@ -154,7 +154,7 @@ impl Stand<'_> {
         let Thresholds { low, high, joint, .. } = thresholds;
         let of = |which: fn(LearntCommands) -> f64| thresholds.commands.map(which);
         let (command, command_change) = (of(|it| it.size), of(|it| it.change));
-        taught.settings.fde = Fde { low, high, joint, command, command_change };
+        taught.settings.fde = Fde { enabled: true, low, high, joint, command, command_change };
         (taught.settings.observer.q, taught.settings.observer.r) =
             (search.weights.q, search.weights.r);
         taught.conclude(grade, self.database)

@@ -2,7 +2,7 @@
 
 use super::levels::{LEVELS, LevelsTable};
 use crate::kinds::{DURATION, FINITE, THRESHOLD, counts, number, numbers, whole};
-use crate::schema::{Kind, Limits, table};
+use crate::schema::{Kind, Limits, Scalar, table};
 use tertius_core::alarm::Levels;
 
 table! {
@@ -62,6 +62,8 @@ table! {
 table! {
     /// Thresholds of R1 and R2 (section 5-4-1), m.
     pub struct Fde = FDE {
+        enabled: bool = true => Kind::One(Scalar::Switch),
+            "true", "whether FDE1 and FDE2 judge by high; false: they warn by joint alone, and a transducer is healthy only where the sequential detector judges it (commission writes this where high would be too large to find a fault)";
         low: f64 = 7.5e-4 => number(Limits::above(0.0, THRESHOLD)),
             "7.5e-4", "below this R1 and R2 count towards clearing, m";
         high: f64 = 1.0e-3 => number(Limits::above(0.0, THRESHOLD)),
@@ -78,6 +80,8 @@ table! {
 table! {
     /// Thresholds of R3 (section 5-5), m.
     pub struct Comparator = COMPARATOR {
+        enabled: bool = true => Kind::One(Scalar::Switch),
+            "true", "whether FDE3 judges by bound; false: only critical holds for C1 - C2 (commission writes this where bound would be too large to find a fault)";
         bound: f64 = 1.5e-3 => number(Limits::above(0.0, THRESHOLD)),
             "1.5e-3", "above this R3 raises a warning, m";
         low: Option<f64> = None => number(Limits::above(0.0, THRESHOLD)),

@@ -203,13 +203,21 @@ impl Outcome {
             return Ok(());
         }
         Err(format!(
-            "the model does not follow its command, and nothing is written: VAF on the data of the \
+            "the model does not follow its command: VAF on the data of the \
              trial, {}; below 0 % the mean predicts a velocity better, below -100 % chance \
             predicts a position better. Does the command belong to this cylinder, is it in m/s, \
             was the machine healthy, and is the part that was fitted like the one that was tried \
             (--from, --to)?",
             strays.join("; ")
         ))
+    }
+
+    /// Whether the model that was chosen follows no cylinder at all.
+    pub fn follows_nowhere(&self) -> bool {
+        let strays = self.choice.map(|choice| self.strays(choice.of)).unwrap_or_default();
+        let identified = self.cylinders.iter().filter(|it| it.result.is_ok());
+        !strays.is_empty()
+            && identified.into_iter().all(|it| strays.iter().any(|stray| stray.on == it.number))
     }
 
     /// Cylinders without a model, and the reasons.

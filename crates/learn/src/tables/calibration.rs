@@ -48,8 +48,8 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
     ]
 }
 
-/// The tables, with their origin; `None` where nothing was learnt of any cylinder.
-pub fn of(result: &Calibration, version: &str) -> Option<String> {
+/// The tables, with their origin, and with the `bounded` R3; `None` where nothing was learnt of any cylinder.
+pub fn of(result: &Calibration, version: &str, bounded: bool) -> Option<String> {
     result.cylinders.iter().find_map(CylinderCalibration::table)?;
     let Calibration { machine, inputs, timeline, .. } = result;
     let both = [("fitted", result.fitted), ("tried ", result.tried)];
@@ -68,7 +68,7 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
         }
     }
     text += "# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.\n";
-    if let Some(bound) = &result.bound {
+    if let Some(bound) = result.bound.as_ref().filter(|_| bounded) {
         text += "\n";
         for line in meaning(bound) {
             _ = writeln!(text, "# {line}");

@@ -42,6 +42,9 @@ pub struct CylinderDesign {
     pub observers: [ObserverDesign; 2],
     pub comparator: Comparator,
     pub bank: BankDesign,
+    /// Whether R1, R2 and R3 are judged by a threshold; where not, R1 and R2 are faults by joint evidence alone, and nothing is
+    /// healthy by them.
+    pub enabled: [bool; 3],
     /// Sequential detector; `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
     /// Process detector; `None` where nothing of it is configured.
@@ -64,9 +67,24 @@ impl CylinderDesign {
         Trigger::new(Thresholds { low: self.critical, high: self.critical, clear: self.clear })
     }
 
-    /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2.
+    /// The bank, with no threshold where none is to judge.
+    pub fn bank(&self) -> BankDesign {
+        let mut bank = self.bank.clone();
+        let [of_c1, _, of_both] = self.enabled;
+        for (thresholds, enabled) in [(&mut bank.observer, of_c1), (&mut bank.difference, of_both)]
+        {
+            if !enabled {
+                (thresholds.low, thresholds.high) = (f64::INFINITY, f64::INFINITY);
+            }
+        }
+        bank
+    }
+
+    /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2, or is not judged.
     pub const fn limits(&self) -> [f64; QUANTITIES] {
-        let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);
+        let [of_c1, _, of_both] = self.enabled;
+        let observer = if of_c1 { self.bank.observer.high } else { f64::INFINITY };
+        let difference = if of_both { self.bank.difference.high } else { f64::INFINITY };
         if self.has(Transducer::C2) {
             [observer, observer, difference, self.critical]
         } else {

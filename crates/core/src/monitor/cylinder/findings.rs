@@ -253,7 +253,7 @@ impl Cylinder {
 
     /// State of each transducer; `stands` tells whether the warnings of this cycle blame it.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
-        let verdicts = self.bank.verdicts();
+        let (verdicts, enabled) = (self.bank.verdicts(), self.design.enabled);
         core::array::from_fn(|i| {
             let blamed = [Suspect::C1, Suspect::C2][i];
             if !self.has(TRANSDUCERS[i]) {
@@ -262,7 +262,9 @@ impl Cylinder {
                 Health::Faulty
             } else if stands(Suspect::Undecided) {
                 Health::Suspect
-            } else if self.judged[i] && verdicts[i] == Verdict::Healthy && !stands(Suspect::Process)
+            } else if self.judged[i]
+                && (verdicts[i] == Verdict::Healthy || !enabled[i])
+                && !stands(Suspect::Process)
             {
                 Health::Healthy
             } else {

@@ -29,6 +29,10 @@ impl Cylinder {
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
         self.judged = judged.map(|residual| residual.is_some());
+        if self.design.enabled[..2] == [false; 2] {
+            // Then only the sequential detector is evidence of either.
+            self.judged = [self.sequential.as_ref().is_some_and(|it| it.unknown().is_none()); 2];
+        }
         // After a loss it is no evidence either way.
         let whole = |i: usize| judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole));
         let mut residuals = Residuals { r: [whole(0), whole(1), difference] };

@@ -1,0 +1,64 @@
+//! Machines that some detectors are fit for, and others are not.
+
+use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recording, replay, tertius};
+use toml::Table;
+
+/// A measured cylinder whose command only holds its load: by it no model can tell where the rod will be.
+struct Rig {
+    scratch: Scratch,
+    config: String,
+    log: String,
+}
+
+impl Rig {
+    fn new() -> Self {
+        let scratch = Scratch::new();
+        let dbc = recording("hanging-load.dbc");
+        let text = std::fs::read_to_string(HANGING_LOAD).expect("it is there");
+        let text = text.replace("hanging-load.dbc", &dbc);
+        let config = scratch.write("machine.toml", text);
+        Self { config, log: recording("hanging-load.log.gz"), scratch }
+    }
+
+    fn commission(&self, options: &[&str]) -> Run {
+        tertius(&[&["commission", &self.log, "--config", &self.config], options].concat(), b"")
+    }
+
+    fn faulty(&self, fault: &str) -> String {
+        let faulty = self.scratch.path("faulty.log");
+        let put = ["inject", &self.log, "--config", &self.config, "--output", &faulty, "--force"];
+        tertius(&[&put[..], &["--fault", fault]].concat(), b"").ok();
+        faulty
+    }
+}
+
+#[test]
+fn a_machine_whose_model_does_not_follow_is_fit_but_for_its_observers() {
+    let rig = Rig::new();
+    let run = rig.commission(&[]).failed(3, &["the tables have no FDE1 and FDE2"]);
+    assert!(
+        run.stdout.starts_with("Hanging load is fit for use but for FDE1 and FDE2: no false"),
+        "{}",
+        run.stdout
+    );
+    let why = "FDE1 and FDE2 left out (identify): the model does not follow its command";
+    assert!(run.stdout.contains(why), "{}", run.stdout);
+    let table: Table = rig.scratch.read("machine.toml").parse().expect("TOML");
+    assert_eq!(table["fde"]["enabled"].as_bool(), Some(false));
+    assert!(table["cylinder"][0].get("sequential").is_some());
+
+    let healthy = replay(&[&rig.log], &rig.config, &[]).ok();
+    assert!(healthy.stdout.contains("No incident in 5 min."), "{}", healthy.stdout);
+    for (sensor, name) in [("c1", "C1"), ("c2", "C2")] {
+        for size in ["0.005", "-0.005"] {
+            let log = rig.faulty(&format!("step,cylinder=1,sensor={sensor},at=150,size={size}"));
+            let text = replay(&[&log], &rig.config, &[]).ok().stdout;
+            assert!(
+                text.contains(&format!(
+                    "\n1 incident in 5 min: cylinder 1, {name}, yellow: step of"
+                )),
+                "{text}"
+            );
+        }
+    }
+}
