@@ -11,6 +11,9 @@ use std::fmt::{self, Display, Formatter};
 /// Most identifiers that are listed; further ones are counted.
 const LISTED: usize = 6;
 
+const SWITCHED_OFF: &str =
+    "FDE1 and FDE2 are switched off (fde.enabled), and no cylinder has a sequential detector";
+
 /// Facts about a recording that has been read.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordedFacts<'a> {
@@ -82,6 +85,9 @@ impl Judgement {
         if reasons.is_empty() {
             reasons = recorded.nothing();
         }
+        if reasons.is_empty() && recorded.is_switched_off() {
+            reasons.push(SWITCHED_OFF.to_owned());
+        }
         if reasons.is_empty() {
             reasons = unjudged(counts, tallies, missed, recorded.goes_on);
         }
@@ -128,6 +134,12 @@ impl Judgement {
 }
 
 impl RecordedFacts<'_> {
+    /// Whether the configuration leaves no detector that tells a healthy transducer.
+    fn is_switched_off(&self) -> bool {
+        let mut cylinders = self.design.cylinders.iter();
+        cylinders.all(|cylinder| !cylinder.enabled[0] && cylinder.sequential.is_none())
+    }
+
     /// Why the recording has nothing of this machine; empty where it has.
     pub fn nothing(&self) -> Vec<String> {
         if self.used > 0 {

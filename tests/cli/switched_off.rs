@@ -10,7 +10,7 @@ const NO_DIFFERENCE: [&str; 2] = ["--set", "comparator.enabled=false"];
 
 /// A minute with faults of several kinds.
 fn faulty(scratch: &Scratch) -> String {
-    scratch.write("faulty.log", between(&recorded("e-type-faults.log.zst"), 100.0, 160.0))
+    scratch.write("faulty.log", between(&recorded("e-type-faults.log.zst"), 128.0, 188.0))
 }
 
 /// How many warnings of each of FDE1 to FDE3 a replay has with these `options`.
@@ -34,7 +34,7 @@ fn a_detector_that_is_off_warns_of_nothing_and_the_others_as_ever() {
 
 /// Values of the states of C1 and C2 in the frames Fd_Status of a healthy half minute, each once.
 fn states(scratch: &Scratch, config: &str, options: &[&str]) -> Vec<i64> {
-    let log = between(&recorded("e-type-healthy.log.zst"), 100.0, 130.0);
+    let log = between(&recorded("e-type-healthy.log.zst"), 200.0, 230.0);
     let (log, sent) = (scratch.write("healthy.log", log), scratch.path("sent.log"));
     replay(&[&log], config, &[&["--warnings", &sent, "--force"], options].concat()).ok();
     let frames = oracle::run("gateway.py", &["dbc/e-type.dbc", &sent], "");
@@ -65,12 +65,15 @@ fn without_its_observer_a_transducer_is_healthy_only_by_the_sequential_detector(
 fn check_and_replay_name_what_is_off() {
     let scratch = Scratch::new();
     let log = faulty(&scratch);
-    let text = replay(&[&log], SEQUENTIAL, &NO_OBSERVERS).ok().stdout;
+    let page = |config, options: &[&str]| {
+        tertius(&[&["replay", &log, "--config", config], options].concat(), b"").ok().stdout
+    };
+    let text = page(SEQUENTIAL, &NO_OBSERVERS);
     assert!(
         text.contains("\nFDE1 and FDE2 are switched off.\nThe sequential detectors judged"),
         "{text}"
     );
-    let text = replay(&[&log], E_TYPE, &NO_DIFFERENCE).ok().stdout;
+    let text = page(E_TYPE, &NO_DIFFERENCE);
     assert!(text.contains(" of the time; FDE3 is switched off.\n"), "{text}");
     let both = [&["check", E_TYPE], &NO_OBSERVERS[..], &NO_DIFFERENCE].concat();
     let text = tertius(&both, b"").ok().stdout;
@@ -87,6 +90,9 @@ fn check_and_replay_name_what_is_off() {
 #[test]
 fn a_machine_without_any_detector_is_not_called_free_of_incidents() {
     let scratch = Scratch::new();
-    let log = scratch.write("a.log", between(&recorded("e-type-healthy.log.zst"), 100.0, 110.0));
-    replay(&[&log], E_TYPE, &NO_OBSERVERS).failed(1, &["observers"]);
+    let log = scratch.write("a.log", between(&recorded("e-type-healthy.log.zst"), 200.0, 210.0));
+    replay(&[&log], E_TYPE, &NO_OBSERVERS).failed(
+        1,
+        &["nothing was judged: FDE1 and FDE2 are switched off (fde.enabled), and no cylinder has"],
+    );
 }

@@ -1,6 +1,6 @@
 //! Machines that some detectors are fit for, and others are not.
 
-use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recording, replay, tertius};
+use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recording, tertius};
 use toml::Table;
 
 /// A measured cylinder whose command only holds its load: by it no model can tell where the rod will be.
@@ -22,6 +22,11 @@ impl Rig {
 
     fn commission(&self, options: &[&str]) -> Run {
         tertius(&[&["commission", &self.log, "--config", &self.config], options].concat(), b"")
+    }
+
+    /// What a replay of `log` says to a person.
+    fn page(&self, log: &str) -> String {
+        tertius(&["replay", log, "--config", &self.config], b"").ok().stdout
     }
 
     fn faulty(&self, fault: &str) -> String {
@@ -47,18 +52,14 @@ fn a_machine_whose_model_does_not_follow_is_fit_but_for_its_observers() {
     assert_eq!(table["fde"]["enabled"].as_bool(), Some(false));
     assert!(table["cylinder"][0].get("sequential").is_some());
 
-    let healthy = replay(&[&rig.log], &rig.config, &[]).ok();
-    assert!(healthy.stdout.contains("No incident in 5 min."), "{}", healthy.stdout);
+    let healthy = rig.page(&rig.log);
+    assert!(healthy.contains("No incident in 5 min."), "{healthy}");
     for (sensor, name) in [("c1", "C1"), ("c2", "C2")] {
         for size in ["0.005", "-0.005"] {
             let log = rig.faulty(&format!("step,cylinder=1,sensor={sensor},at=150,size={size}"));
-            let text = replay(&[&log], &rig.config, &[]).ok().stdout;
-            assert!(
-                text.contains(&format!(
-                    "\n1 incident in 5 min: cylinder 1, {name}, yellow: step of"
-                )),
-                "{text}"
-            );
+            let text = rig.page(&log);
+            let found = format!("\n1 incident in 5 min: cylinder 1, {name}, yellow: step of");
+            assert!(text.contains(&found), "{text}");
         }
     }
 }

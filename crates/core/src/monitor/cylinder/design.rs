@@ -80,11 +80,9 @@ impl CylinderDesign {
         bank
     }
 
-    /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2, or is not judged.
+    /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2.
     pub const fn limits(&self) -> [f64; QUANTITIES] {
-        let [of_c1, _, of_both] = self.enabled;
-        let observer = if of_c1 { self.bank.observer.high } else { f64::INFINITY };
-        let difference = if of_both { self.bank.difference.high } else { f64::INFINITY };
+        let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);
         if self.has(Transducer::C2) {
             [observer, observer, difference, self.critical]
         } else {
