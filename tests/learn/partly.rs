@@ -1,6 +1,7 @@
 //! Machines that some detectors are fit for, and others are not.
 
 use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recording, tertius};
+use tertius_testing::top;
 use toml::Table;
 
 /// A measured cylinder whose command only holds its load: by it no model can tell where the rod will be.
@@ -13,10 +14,9 @@ struct Rig {
 impl Rig {
     fn new() -> Self {
         let scratch = Scratch::new();
-        let dbc = recording("hanging-load.dbc");
-        let text = std::fs::read_to_string(HANGING_LOAD).expect("it is there");
-        let text = text.replace("hanging-load.dbc", &dbc);
-        let config = scratch.write("machine.toml", text);
+        let read = |name: &str| std::fs::read(top().join(name)).expect("it ships");
+        scratch.write("hanging-load.dbc", read("tests/recordings/hanging-load.dbc"));
+        let config = scratch.write("machine.toml", read(HANGING_LOAD));
         Self { config, log: recording("hanging-load.log.gz"), scratch }
     }
 

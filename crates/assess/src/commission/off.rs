@@ -60,7 +60,7 @@ impl Taught {
     /// Switches the detectors of `threshold` off in the configuration, where they are not yet.
     ///
     /// # Errors
-    /// Then nothing is left that compares readings: `why`. Or the configuration cannot be edited.
+    /// Then no detector is left by which a transducer is healthy: `why`. Or the configuration cannot be edited.
     pub(super) fn leave_out(
         &mut self,
         threshold: Threshold,
@@ -70,15 +70,11 @@ impl Taught {
         if self.is_left_out(threshold) {
             return Ok(());
         }
-        let cylinders = || self.calibration.iter().flat_map(|it| &it.cylinders);
-        let compares = cylinders().any(|it| it.sequential.is_some());
-        let other = match threshold {
-            Threshold::OfObservers => {
-                !self.is_left_out(Threshold::OfDifference) && cylinders().any(|it| it.has_c2())
-            }
-            Threshold::OfDifference => !self.is_left_out(Threshold::OfObservers),
-        };
-        if !compares && !other {
+        let mut cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
+        let observes =
+            threshold == Threshold::OfDifference && !self.is_left_out(Threshold::OfObservers);
+        // R3 alone calls no transducer healthy.
+        if !observes && cylinders.all(|it| it.sequential.is_none()) {
             return Err(why);
         }
         self.left_out.push(LeftOut { threshold, by, why });
@@ -165,40 +161,32 @@ mod tests {
     use super::Threshold::{OfDifference, OfObservers};
     use super::*;
     use tertius_core::alarm::Detector;
-    use tertius_learn::calibrate::CalibrationRefusal;
     use tertius_learn::relate::ProcessRefusal;
 
-    /// A machine of one cylinder without a sequential detector, whose C1 and C2, if it has one, R3 compares.
-    fn taught(has_c2: bool) -> Taught {
-        let mut only = cylinder(1);
-        if has_c2 {
-            only.result = Err(CalibrationRefusal::Absent);
-        }
-        Taught { calibration: Some(calibration(vec![only])), ..Taught::default() }
+    /// A machine of one cylinder without a sequential detector.
+    fn taught() -> Taught {
+        Taught { calibration: Some(calibration(vec![cylinder(1)])), ..Taught::default() }
+    }
+
+    fn left_out(threshold: Threshold) -> LeftOut {
+        LeftOut { threshold, by: Stage::Tune, why: "6 mm".to_owned() }
     }
 
     #[test]
-    fn the_last_detectors_are_not_left_out() {
-        let mut both = taught(true);
-        assert_eq!(both.leave_out(OfObservers, Stage::Tune, "6 mm".to_owned()), Ok(()));
-        assert_eq!(both.text.trim(), "[fde]\nenabled = false");
-        assert_eq!(both.left_out[0].to_string(), "FDE1 and FDE2 left out (tune): 6 mm");
-        assert_eq!(
-            both.leave_out(OfDifference, Stage::Calibrate, "14 mm".to_owned()),
-            Err("14 mm".to_owned())
-        );
-        let mut alone = taught(false);
-        assert_eq!(
-            alone.leave_out(OfObservers, Stage::Tune, "6 mm".to_owned()),
-            Err("6 mm".to_owned())
-        );
-        assert!(alone.text.is_empty() && alone.left_out.is_empty());
+    fn the_last_detectors_by_which_a_transducer_is_healthy_are_not_left_out() {
+        let mut taught = taught();
+        let why = || "6 mm".to_owned();
+        assert_eq!(taught.leave_out(OfObservers, Stage::Tune, why()), Err(why()));
+        assert!(taught.text.is_empty() && taught.left_out.is_empty());
+        assert_eq!(taught.leave_out(OfDifference, Stage::Calibrate, why()), Ok(()));
+        assert_eq!(taught.text.trim(), "[comparator]\nenabled = false");
+        assert_eq!(taught.left_out[0].to_string(), "FDE3 left out (calibrate): 6 mm");
+        assert_eq!(taught.leave_out(OfObservers, Stage::Tune, why()), Err(why()));
     }
 
     #[test]
     fn a_threshold_that_a_later_stage_learns_does_not_bring_it_back() {
-        let mut taught = taught(true);
-        taught.leave_out(OfObservers, Stage::Identify, "no model".to_owned()).expect("R3 is left");
+        let mut taught = Taught { left_out: vec![left_out(OfObservers)], ..taught() };
         taught.put("[fde]\nhigh = 0.113\n", &[]).expect("it is TOML");
         assert!(taught.text.contains("high = 0.113") && taught.text.contains("enabled = false"));
     }
@@ -206,24 +194,18 @@ mod tests {
     /// What the trial cannot try is not promised.
     #[test]
     fn what_either_leaves_out_both_do() {
-        for [first, second] in [[OfObservers, OfDifference], [OfDifference, OfObservers]] {
-            let [mut whole, mut rehearsal] = [taught(true), taught(true)];
-            rehearsal
-                .leave_out(first, Stage::Tune, "6 mm".to_owned())
-                .expect("the other one is left");
-            whole.agree_with(&mut rehearsal).expect("the same one is left");
-            assert!(whole.is_left_out(first) && !whole.is_left_out(second));
-            assert_eq!(whole.left_out[0].why, "without the third that is held back, 6 mm");
-            assert_eq!(whole.text, rehearsal.text);
-            let mut rehearsal = taught(true);
-            whole.agree_with(&mut rehearsal).expect("the same one is left");
-            assert!(rehearsal.is_left_out(first));
-            let mut other = taught(true);
-            other
-                .leave_out(second, Stage::Tune, "14 mm".to_owned())
-                .expect("the other one is left");
-            assert!(whole.agree_with(&mut other).is_err(), "then nothing is left");
-        }
+        let [mut whole, mut rehearsal] = [taught(), taught()];
+        let of_the_rehearsal =
+            rehearsal.leave_out(OfDifference, Stage::Calibrate, "14 mm".to_owned());
+        of_the_rehearsal.expect("the observers are left");
+        whole.agree_with(&mut rehearsal).expect("they are left here, too");
+        assert_eq!(whole.left_out[0].why, "without the third that is held back, 14 mm");
+        assert_eq!(whole.text, rehearsal.text);
+        let mut rehearsal = taught();
+        whole.agree_with(&mut rehearsal).expect("they are left here, too");
+        assert!(rehearsal.is_left_out(OfDifference));
+        let mut rehearsal = Taught { left_out: vec![left_out(OfObservers)], ..taught() };
+        assert!(whole.agree_with(&mut rehearsal).is_err(), "then nothing is left");
     }
 
     /// One fault of the supply, which all cylinders tell: they keep their detectors.
