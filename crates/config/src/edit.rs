@@ -25,7 +25,7 @@ pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError>
     // A threshold that was learnt is one to judge by, whatever an earlier recording gave.
     for (table, threshold) in [("fde", "high"), ("comparator", "bound")] {
         if learnt.get(table).and_then(|it| it.get(threshold)).is_some() {
-            forget_switch(&mut document, table);
+            switch_on(&mut document, table);
         }
     }
     for (key, item) in learnt.iter() {
@@ -128,10 +128,14 @@ fn forget_supply(document: &mut DocumentMut) {
     }
 }
 
-/// Lets the detectors of `table` judge again.
-fn forget_switch(document: &mut DocumentMut, table: &str) {
-    if let Some(table) = document.get_mut(table).and_then(Item::as_table_like_mut) {
-        table.remove("enabled");
+/// Lets the detectors of `table` judge again; the comments at the switch stay.
+fn switch_on(document: &mut DocumentMut, table: &str) {
+    let table = document.get_mut(table).and_then(Item::as_table_like_mut);
+    let switch = table.and_then(|it| it.get_mut("enabled")).and_then(Item::as_value_mut);
+    if let Some(switch) = switch.filter(|it| it.as_bool() == Some(false)) {
+        let decor = switch.decor().clone();
+        *switch = Value::from(true);
+        *switch.decor_mut() = decor;
     }
 }
 
@@ -357,12 +361,17 @@ nodes = [7.0]
         let off = "[fde]\nenabled = false\nhigh = 0.006\n\n[comparator]\nenabled = false\n";
         let tuned = put(off, "[fde]\nhigh = 0.002\n", &[]).expect("both are TOML");
         assert!(
-            tuned.starts_with("[fde]\nhigh = 0.002\n\n[comparator]\nenabled = false\n"),
+            tuned.starts_with(
+                "[fde]\nenabled = true\nhigh = 0.002\n\n[comparator]\nenabled = false\n"
+            ),
             "{tuned}"
         );
         let calibrated = put(off, "[comparator]\nbound = 0.002\n", &[]).expect("both are TOML");
         assert!(calibrated.contains("[fde]\nenabled = false\n"), "{calibrated}");
-        assert!(calibrated.contains("[comparator]\nbound = 0.002\n"), "{calibrated}");
+        assert!(
+            calibrated.contains("[comparator]\nenabled = true\nbound = 0.002\n"),
+            "{calibrated}"
+        );
     }
 
     #[test]
