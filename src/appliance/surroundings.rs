@@ -143,7 +143,7 @@ impl Appliance {
             );
         }
         if let Some(off) = facts.switched_off {
-            warn!("{off} switched off by the configuration (fde.enabled, comparator.enabled)");
+            warn!("switched off by the configuration: {off} (fde.enabled, comparator.enabled)");
         }
         if let Some(doubt) = alignment::doubt(&facts.not_calibrated) {
             warn!("{doubt}");

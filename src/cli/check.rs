@@ -212,8 +212,8 @@ fn foreign_time(machine: &Machine) -> Option<f64> {
 fn off_doubt(machine: &Machine) -> Option<String> {
     let off = machine.loaded.settings.switched_off()?;
     Some(format!(
-        "fde.enabled, comparator.enabled: {off} switched off; `tertius commission` does so where their threshold would be \
-         too large to find a fault, and switches them on again where it is not"
+        "fde.enabled, comparator.enabled: switched off: {off}. `tertius commission` switches detectors off whose threshold would \
+         be too large to find a fault, and on again when a recording gives a smaller one"
     ))
 }
 

@@ -309,6 +309,7 @@ impl Replay {
             fingerprints: &machine.loaded.fingerprints(),
             has_model: machine.loaded.has_model(),
             switched_off: machine.loaded.settings.switched_off(),
+            observes: machine.loaded.settings.fde.enabled,
             judgement,
             remarks: &remarks,
             statistics,

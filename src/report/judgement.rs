@@ -134,10 +134,10 @@ impl Judgement {
 }
 
 impl RecordedFacts<'_> {
-    /// Whether the configuration leaves no detector that tells a healthy transducer.
+    /// Whether the configuration leaves no detector by which a transducer is healthy.
     fn is_switched_off(&self) -> bool {
         let mut cylinders = self.design.cylinders.iter();
-        cylinders.all(|cylinder| !cylinder.enabled[0] && cylinder.sequential.is_none())
+        cylinders.all(|cylinder| !cylinder.observes && cylinder.sequential.is_none())
     }
 
     /// Why the recording has nothing of this machine; empty where it has.

@@ -67,6 +67,8 @@ pub struct Summary<'a> {
     pub has_model: bool,
     /// Detectors that the configuration switches off, in words; `None` if all judge.
     pub switched_off: Option<&'a str>,
+    /// Whether FDE1 and FDE2 judge.
+    pub observes: bool,
     pub judgement: &'a Judgement,
     /// What of the cycle is other than the configuration says; empty where all is as it says.
     pub remarks: &'a [String],

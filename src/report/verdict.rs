@@ -38,7 +38,10 @@ pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
         return if summary.incidents.count() == 0 { Vec::new() } else { vec![found] };
     }
     let mut lines = vec![found];
-    lines.push(observers(summary));
+    if summary.observes {
+        lines.push(format!("The observers judged {} of the time.", judged(summary)));
+    }
+    lines.extend(summary.switched_off.map(|off| format!("Switched off: {off}.")));
     lines.extend(sequential(summary));
     lines.extend(process(summary));
     lines.extend(summary.blanks.told(summary.names, summary.tallies.len(), zone));
@@ -55,17 +58,6 @@ fn incidents(summary: &Summary<'_>, zone: &Zone) -> String {
     let which = if incidents.count() == 1 { ": " } else { ". Worst: " };
     let (count, line) = (counted(incidents.count(), "incident"), story::line(worst, summary.names));
     format!("{count} in {length}{which}{line} at {}.", zone.moment(at))
-}
-
-/// How much of the time the observers judged, and what the configuration switches off.
-fn observers(summary: &Summary<'_>) -> String {
-    match summary.switched_off {
-        None => format!("The observers judged {} of the time.", judged(summary)),
-        Some(off @ "FDE3") => {
-            format!("The observers judged {} of the time; {off} is switched off.", judged(summary))
-        }
-        Some(off) => format!("{off} are switched off."),
-    }
 }
 
 /// Part of the cycles of all transducers that their observers judged.
@@ -214,5 +206,6 @@ const fn reason(reason: NotJudged) -> &'static str {
         NotJudged::Implausible => "the readings were not plausible",
         NotJudged::NoCommand => "no command",
         NotJudged::Settling => "the observer had not settled",
+        NotJudged::NoBaseline => "the sequential detector had no baseline",
     }
 }

@@ -1,4 +1,4 @@
-//! Detectors that the configuration switches off: what they would find is not told, and nothing is healthy by them.
+//! Detectors that the configuration switches off raise no warning, and no transducer is healthy by them.
 
 use serde_json::Value;
 use tertius_testing::oracle;
@@ -71,23 +71,23 @@ fn check_and_replay_name_what_is_off() {
     };
     let text = page(SEQUENTIAL, &NO_OBSERVERS);
     assert!(
-        text.contains("\nFDE1 and FDE2 are switched off.\nThe sequential detectors judged"),
+        text.contains("\nSwitched off: FDE1 and FDE2.\nThe sequential detectors judged"),
         "{text}"
     );
     let text = page(E_TYPE, &NO_DIFFERENCE);
-    assert!(text.contains(" of the time; FDE3 is switched off.\n"), "{text}");
+    assert!(text.contains(" of the time.\nSwitched off: FDE3.\n"), "{text}");
     let both = [&["check", E_TYPE], &NO_OBSERVERS[..], &NO_DIFFERENCE].concat();
     let text = tertius(&both, b"").ok().stdout;
     for line in [
         "FDE1      off (fde.enabled); gain of",
         "FDE3      off (comparator.enabled); C1 −",
-        "FDE1, FDE2 and FDE3 switched off; `tertius commission` does so where",
+        "switched off: FDE1, FDE2 and FDE3. `tertius commission` switches",
     ] {
         assert!(text.contains(line), "{line:?} is not in\n{text}");
     }
 }
 
-/// Nothing is judged then, which is no good news.
+/// Nothing is judged then, and the exit code is 1.
 #[test]
 fn a_machine_without_any_detector_is_not_called_free_of_incidents() {
     let scratch = Scratch::new();

@@ -113,13 +113,15 @@ impl Settings {
         self.machine.cycle_deadline.unwrap_or(0.8 * self.machine.sample_time)
     }
 
-    /// Detectors that are switched off, by their names; `None` if all judge.
+    /// Detectors that are switched off, in words; `None` if all judge.
     pub const fn switched_off(&self) -> Option<&'static str> {
-        match (self.fde.enabled, self.comparator.enabled) {
-            (true, true) => None,
-            (false, true) => Some("FDE1 and FDE2"),
-            (true, false) => Some("FDE3"),
-            (false, false) => Some("FDE1, FDE2 and FDE3"),
+        match (self.fde.enabled, self.fde.joint.is_some(), self.comparator.enabled) {
+            (true, _, true) => None,
+            (true, _, false) => Some("FDE3"),
+            (false, false, true) => Some("FDE1 and FDE2"),
+            (false, false, false) => Some("FDE1, FDE2 and FDE3"),
+            (false, true, true) => Some("FDE1 and FDE2, but for joint evidence"),
+            (false, true, false) => Some("FDE3, and FDE1 and FDE2 but for joint evidence"),
         }
     }
 

@@ -97,16 +97,9 @@ impl Telemetry {
         if let Some(reason) = self.silence(now) {
             return (Condition::Unknown, reason);
         }
-        let off = self.facts().switched_off;
         let (condition, reason) = match mode {
             Some(mode) if mode == Mode::Monitoring as u8 => match self.all_healthy() {
-                true if let Some(off) = off => {
-                    return (
-                        Condition::Ok,
-                        format!("no warning stands; {off} switched off by the configuration"),
-                    );
-                }
-                true => (Condition::Ok, "everything is judged, and no warning stands"),
+                true => return (Condition::Ok, self.calm()),
                 false => (Condition::Unknown, "not every transducer is known to be healthy"),
             },
             Some(mode) if mode == Mode::Degraded as u8 => {
@@ -118,6 +111,14 @@ impl Telemetry {
             _ => (Condition::Unknown, "not everything has been judged yet"),
         };
         (condition, reason.to_owned())
+    }
+
+    /// That nothing is wrong, as far as the configuration lets it be judged.
+    fn calm(&self) -> String {
+        match self.facts().switched_off {
+            None => "everything is judged, and no warning stands".to_owned(),
+            Some(off) => format!("no warning stands; switched off by the configuration: {off}"),
+        }
     }
 
     /// That no warning stands but of differences that nobody has calibrated, if so: those are of no incident.

@@ -61,11 +61,11 @@ fn judged(machine: &Machine, n: u8) -> String {
     for (observer, name) in cylinder.observers.iter().zip(names) {
         let l = observer.l.column(0);
         let gain = format!("{:.4}, {:.4}, {:.1}", l[0], l[1], l[2]);
-        let off = if cylinder.enabled[0] { "" } else { "off (fde.enabled); " };
+        let off = if cylinder.observes { "" } else { "off (fde.enabled); " };
         text += &format!("  {name}      {off}gain of the position's innovation {gain}\n");
     }
     let (gain, offset) = (cylinder.comparator.gain, cylinder.comparator.offset);
-    let off = if cylinder.enabled[2] { "" } else { "off (comparator.enabled); " };
+    let off = if cylinder.compares { "" } else { "off (comparator.enabled); " };
     text += &match has_c2 {
         true => format!("  FDE3      {off}C1 − {}\n", corrected(gain, offset)),
         false => "  C2        not fitted, so nothing is compared: no FDE2, no FDE3, no sequential detector\n"

@@ -180,7 +180,8 @@ impl<'a> Connector<'a> {
             },
             moving_speed: settings.plausibility.frozen_speed,
             comparator: Comparator { gain, offset },
-            enabled: [fde.enabled, fde.enabled, settings.comparator.enabled],
+            observes: fde.enabled,
+            compares: settings.comparator.enabled,
             bank: BankDesign {
                 observer: Thresholds { low: fde.low, high: fde.high, clear },
                 joint: fde.joint.unwrap_or(f64::INFINITY),

@@ -133,7 +133,7 @@ impl Cylinder {
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             commands: CommandWatch::new(design.commands, design.observers[0].settle),
-            bank: Bank::new(&design.bank()),
+            bank: Bank::new(&design.judging_bank()),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),
             supply_is_odd: false,

@@ -24,9 +24,11 @@ pub enum NotJudged {
     NoCommand,
     /// The observer had not settled, at the beginning or after a gap.
     Settling,
+    /// The sequential detector, by which alone it is judged, had no baseline or not enough samples.
+    NoBaseline,
 }
 
-choice! { NotJudged { State, NoReadings, Doubtful, Implausible, NoCommand, Settling } }
+choice! { NotJudged { State, NoReadings, Doubtful, Implausible, NoCommand, Settling, NoBaseline } }
 
 /// A time in which the observer of a transducer did not judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,6 +137,7 @@ impl Cylinder {
             Quality::Doubtful => NotJudged::Doubtful,
             quality if !quality.is_good() => NotJudged::Implausible,
             _ if now.gate == Opening::Closed => NotJudged::State,
+            _ if !self.design.observes => NotJudged::NoBaseline,
             _ if self.command_missing > 0 || self.command_silent => NotJudged::NoCommand,
             _ => NotJudged::Settling,
         }

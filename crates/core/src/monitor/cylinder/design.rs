@@ -42,9 +42,11 @@ pub struct CylinderDesign {
     pub observers: [ObserverDesign; 2],
     pub comparator: Comparator,
     pub bank: BankDesign,
-    /// Whether R1, R2 and R3 are judged by a threshold; where not, R1 and R2 are faults by joint evidence alone, and nothing is
+    /// Whether FDE1 and FDE2 judge by their threshold; where not, they find a fault by joint evidence alone, and no transducer is
     /// healthy by them.
-    pub enabled: [bool; 3],
+    pub observes: bool,
+    /// Whether FDE3 judges by its threshold.
+    pub compares: bool,
     /// Sequential detector; `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
     /// Process detector; `None` where nothing of it is configured.
@@ -67,17 +69,15 @@ impl CylinderDesign {
         Trigger::new(Thresholds { low: self.critical, high: self.critical, clear: self.clear })
     }
 
-    /// The bank, with no threshold where none is to judge.
-    pub fn bank(&self) -> BankDesign {
-        let mut bank = self.bank.clone();
-        let [of_c1, _, of_both] = self.enabled;
-        for (thresholds, enabled) in [(&mut bank.observer, of_c1), (&mut bank.difference, of_both)]
-        {
-            if !enabled {
-                (thresholds.low, thresholds.high) = (f64::INFINITY, f64::INFINITY);
-            }
+    /// The bank that judges: a threshold that is not to be judged by is never exceeded.
+    pub fn judging_bank(&self) -> BankDesign {
+        let never = |it: Thresholds| Thresholds { low: f64::INFINITY, high: f64::INFINITY, ..it };
+        let BankDesign { observer, difference, .. } = self.bank;
+        BankDesign {
+            observer: if self.observes { observer } else { never(observer) },
+            difference: if self.compares { difference } else { never(difference) },
+            ..self.bank.clone()
         }
-        bank
     }
 
     /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2.

@@ -253,7 +253,7 @@ impl Cylinder {
 
     /// State of each transducer; `stands` tells whether the warnings of this cycle blame it.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
-        let (verdicts, enabled) = (self.bank.verdicts(), self.design.enabled);
+        let verdicts = self.bank.verdicts();
         core::array::from_fn(|i| {
             let blamed = [Suspect::C1, Suspect::C2][i];
             if !self.has(TRANSDUCERS[i]) {
@@ -263,7 +263,7 @@ impl Cylinder {
             } else if stands(Suspect::Undecided) {
                 Health::Suspect
             } else if self.judged[i]
-                && (verdicts[i] == Verdict::Healthy || !enabled[i])
+                && (verdicts[i] == Verdict::Healthy || !self.design.observes)
                 && !stands(Suspect::Process)
             {
                 Health::Healthy

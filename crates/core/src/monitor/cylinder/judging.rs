@@ -29,8 +29,8 @@ impl Cylinder {
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
         self.judged = judged.map(|residual| residual.is_some());
-        if self.design.enabled[..2] == [false; 2] {
-            // Then only the sequential detector is evidence of either.
+        if !self.design.observes {
+            // Then the sequential detector alone is evidence that either is healthy.
             self.judged = [self.sequential.as_ref().is_some_and(|it| it.unknown().is_none()); 2];
         }
         // After a loss it is no evidence either way.

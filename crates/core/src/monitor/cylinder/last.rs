@@ -227,7 +227,7 @@ impl Cylinder {
     fn judge_alone(&mut self, i: usize, residuals: &Residuals, good: [Option<Measurement>; 2]) {
         let residual = residuals.r[i];
         let found = self.bank.detections()[i];
-        let is_evidence = self.design.enabled[i]
+        let is_evidence = self.design.observes
             && self.is_last(i)
             && self.last.usual.unusual == 0
             && !self.is_elsewhere(residuals, good)
