@@ -6,7 +6,7 @@ use super::learnt_file::Prepared;
 use super::survey::{Field, Surveyed};
 use super::tables;
 use super::update::{Study, Update};
-use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught};
+use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught, Threshold};
 use crate::config::{self, design};
 use crate::failure::print;
 use crate::report::ReadWith;
@@ -156,13 +156,14 @@ impl Commission {
     }
 }
 
-/// That what was written leaves detectors out, so that whoever called can tell it from a machine that is fit.
+/// An exit code of its own where detectors are left out, so that a script does not take the machine for wholly fit.
 fn limited(result: &Commissioned) -> Result<(), Failure> {
     match &result.verdict.fitness {
         Fitness::Partly { without, .. } if !without.is_empty() => {
-            let detectors: Vec<&str> = without.iter().map(|it| it.detectors()).collect();
-            let detectors = detectors.join(" and ");
-            Err(Failure::Limited(format!("the tables have no {detectors}; the page says why")))
+            let detectors = Threshold::listed(without);
+            Err(Failure::Limited(format!(
+                "{detectors} left out and switched off; the reason is above, under \"why\""
+            )))
         }
         _ => Ok(()),
     }

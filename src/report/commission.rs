@@ -38,8 +38,6 @@ pub fn page(result: &Commissioned, with: &ReadWith) -> String {
     text
 }
 
-const LEFT_OUT: &str = "left out";
-
 fn listed(head: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
@@ -143,21 +141,15 @@ pub fn trial(result: &Commissioned) -> Section {
     let takes_c2 =
         |it: &Detector| matches!(it, Detector::Fde2 | Detector::Fde3 | Detector::Sequential);
     for detector in DETECTORS.into_iter().filter(|it| has_c2 || !takes_c2(it)) {
+        if Threshold::of(detector).is_some_and(|it| result.taught.is_left_out(it)) {
+            let none = || "–".to_owned();
+            table.add_row([name(detector), none(), none(), "left out".to_owned()]);
+            continue;
+        }
         let all = trial.false_alarms.iter().chain(&trial.of_process);
         let count = all.filter(|it| it.detector == detector).count() as u64;
         let most = poisson_upper(count, CONFIDENCE) / (trial.held / 3600.0);
-        let judged = match detector {
-            Detector::Sequential => known(trial),
-            Detector::Fde3 if result.taught.is_left_out(Threshold::OfDifference) => {
-                LEFT_OUT.to_owned()
-            }
-            Detector::Fde1 | Detector::Fde2
-                if result.taught.is_left_out(Threshold::OfObservers) =>
-            {
-                LEFT_OUT.to_owned()
-            }
-            _ => "–".to_owned(),
-        };
+        let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
         table.add_row([name(detector), count.to_string(), format!("{most:.0}"), judged]);
     }
     table.about(format!("trial on {:.1} min held back: as recorded", trial.held / 60.0))

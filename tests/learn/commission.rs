@@ -218,6 +218,18 @@ fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
 }
 
 /// As a glob gives them that also finds a copy: evidence would count twice.
+/// The model that is best for all is then as bad for each of them, and says nothing against the five that follow their own.
+#[test]
+fn one_cylinder_with_a_wrong_command_is_no_machine_without_observers() {
+    let yard = Yard::new();
+    let log =
+        yard.recording("healthy.log", &["step,cylinder=1,sensor=control_speed,at=150,size=0.3"]);
+    let before = yard.read("config.toml");
+    let run = yard.commission(&[&log], &[]).failed(1, &["nothing was written"]);
+    assert!(run.stdout.contains("the model does not follow its command"), "{}", run.stdout);
+    yard.is_untouched(&before);
+}
+
 #[test]
 fn what_was_recorded_twice_at_the_same_time_is_refused() {
     let yard = Yard::new();

@@ -1,10 +1,11 @@
-//! Detectors that are left out of a configuration: by what was recorded their threshold would be too large to find a fault,
-//! which says nothing against the others.
+//! Detectors that are left out of a configuration, because the threshold that the recording asks for would be too large to
+//! find a fault. That says nothing against the others.
 
 use super::stages::{Stage, Taught};
 use super::trial::{FalseAlarm, Trial};
 use std::fmt;
 use tertius_config::edit;
+use tertius_core::alarm::Detector;
 use tertius_core::verdict::Fault;
 use tertius_learn::calibrate::{Calibration, CylinderCalibration};
 
@@ -36,6 +37,23 @@ impl Threshold {
         }
     }
 
+    /// That of `detector`, if it has one of these.
+    pub const fn of(detector: Detector) -> Option<Self> {
+        match detector {
+            Detector::Fde1 | Detector::Fde2 => Some(Self::OfObservers),
+            Detector::Fde3 => Some(Self::OfDifference),
+            _ => None,
+        }
+    }
+
+    /// The detectors of all `thresholds`, in words.
+    pub fn listed(thresholds: &[Self]) -> String {
+        match thresholds {
+            [Self::OfObservers, Self::OfDifference] => "FDE1, FDE2 and FDE3".to_owned(),
+            one => one.iter().map(|it| it.detectors()).collect(),
+        }
+    }
+
     /// Tables that switch its detectors off.
     const fn off(self) -> &'static str {
         match self {
@@ -60,7 +78,7 @@ impl Taught {
     /// Switches the detectors of `threshold` off in the configuration, where they are not yet.
     ///
     /// # Errors
-    /// Then no detector is left by which a transducer is healthy: `why`. Or the configuration cannot be edited.
+    /// Then a cylinder has no detector left by which its transducers are healthy: `why`. Or the configuration cannot be edited.
     pub(super) fn leave_out(
         &mut self,
         threshold: Threshold,
@@ -70,18 +88,20 @@ impl Taught {
         if self.is_left_out(threshold) {
             return Ok(());
         }
-        let mut cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
+        let refused = self.refused_cylinders();
+        let cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
+        let mut used = cylinders.filter(|it| !refused.contains(&it.number));
         let observes =
             threshold == Threshold::OfDifference && !self.is_left_out(Threshold::OfObservers);
-        // R3 alone calls no transducer healthy.
-        if !observes && cylinders.all(|it| it.sequential.is_none()) {
+        // By R3 alone no transducer is healthy.
+        if !observes && used.any(|it| it.sequential.is_none()) {
             return Err(why);
         }
         self.left_out.push(LeftOut { threshold, by, why });
         self.keep_left_out()
     }
 
-    /// Switches off again what is left out: a later stage may have learnt its threshold.
+    /// Switches the detectors that are left out off again: a later stage may have learnt their threshold.
     ///
     /// # Errors
     /// The configuration cannot be edited.
@@ -160,7 +180,6 @@ mod tests {
     use super::super::stages::tests::{calibration, cylinder};
     use super::Threshold::{OfDifference, OfObservers};
     use super::*;
-    use tertius_core::alarm::Detector;
     use tertius_learn::relate::ProcessRefusal;
 
     /// A machine of one cylinder without a sequential detector.

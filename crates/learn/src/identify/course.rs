@@ -212,12 +212,12 @@ impl Outcome {
         ))
     }
 
-    /// Whether the model that was chosen follows no cylinder at all.
+    /// Whether no cylinder follows its own model. One whose command is wrong spoils the model that is chosen for all: then the
+    /// others still follow theirs.
     pub fn follows_nowhere(&self) -> bool {
-        let strays = self.choice.map(|choice| self.strays(choice.of)).unwrap_or_default();
-        let identified = self.cylinders.iter().filter(|it| it.result.is_ok());
-        !strays.is_empty()
-            && identified.into_iter().all(|it| strays.iter().any(|stray| stray.on == it.number))
+        let mut identified = self.cylinders.iter().filter(|it| it.result.is_ok()).peekable();
+        identified.peek().is_some()
+            && identified.all(|it| self.strays(it.number).iter().any(|stray| stray.on == it.number))
     }
 
     /// Cylinders without a model, and the reasons.
