@@ -1,4 +1,4 @@
-"""What judge.py asks of the gateway while its bus is attacked and its page is read by people who behave badly."""
+"""The checks of judge.py for a gateway whose bus is attacked and whose page has hostile readers."""
 
 from bisect import bisect_left, bisect_right
 
@@ -20,7 +20,7 @@ LONGER = {
     # It is valid for a second.
     "the platform's state does not come": 1.2,
 }
-# What the machine of the soak cannot know, as it has neither tables of spool and pressures nor sequential ones.
+# Attacks that this machine cannot notice: it has neither tables of spool and pressures nor sequential ones.
 UNSEEN = {
     "all twelve of ten seconds before instead",
     "the command of one cylinder is zero",
@@ -30,7 +30,7 @@ UNSEEN = {
 OVER = 3 * SECOND
 # A warning by an attack comes with it, or so much later.
 AFTER_ATTACK = round(1.5 * SECOND)
-# What is told of an attack, and that it is over, by words of its name; `{id}` is that of C1.
+# The log lines for the beginning and the end of an attack, by words of its name; `{id}` is that of C1.
 TOLD = {
     "a second C1 with length 2": ("frames 0x{id} are too short", "frames 0x{id} are no longer too short"),
     "cut off": ("frames 0x{id} are too short", "frames 0x{id} are no longer too short"),
@@ -42,7 +42,7 @@ TOLD = {
     "no Sync": ("is missing in more than half of the cycles", "(0x080) arrives again"),
     "forged": ("another device sends frames 0x1D1", "no other device sends frames 0x1D1"),
 }
-# So long one lasts that is surely told.
+# An attack that lasts this long has to be logged.
 LEAST = 3 * SECOND
 # Fd_Status is sent every 0.1 s.
 LATE = 3 * SECOND // 10
