@@ -166,6 +166,7 @@ impl<'a> Connector<'a> {
         let (gain, offset) = settings.comparator_of(n);
         let clear = Span::from_seconds(settings.alarm.clear);
         let fde = &settings.fde;
+        let thresholds = |low, high| Thresholds { low, high, clear };
         Some(CylinderDesign {
             number: n,
             required,
@@ -183,13 +184,9 @@ impl<'a> Connector<'a> {
             observes: fde.enabled,
             compares: settings.comparator.enabled,
             bank: BankDesign {
-                observer: Thresholds { low: fde.low, high: fde.high, clear },
+                observer: thresholds(fde.low, fde.high),
                 joint: fde.joint.unwrap_or(f64::INFINITY),
-                difference: Thresholds {
-                    low: settings.comparator_low(),
-                    high: settings.comparator.bound,
-                    clear,
-                },
+                difference: thresholds(settings.comparator_low(), settings.comparator.bound),
                 calibrated: settings.is_aligned(n),
                 coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
