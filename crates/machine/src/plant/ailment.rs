@@ -74,6 +74,8 @@ pub struct Wear {
     pub valve_leakage: f64,
     /// Added to the overlap, part of the spool's stroke.
     pub dead_band: f64,
+    /// Added to the factor 1 of the overlap.
+    pub overlap: f64,
     /// Added to the spool's position for the flow, part of its stroke.
     pub null: f64,
     /// Added to the factor 1 of all friction, and once more of viscous friction.
@@ -100,10 +102,17 @@ impl Wear {
         }
     }
 
-    /// Where a sound spool would stand to pass what this one passes at `spool`.
-    pub(super) fn effective(&self, spool: f64) -> f64 {
+    /// Where the spool of a sound valve with this `overlap` would stand to pass what this one passes at `spool`.
+    pub(super) fn effective(&self, spool: f64, overlap: f64) -> f64 {
         let moved = spool + self.null;
-        (moved.abs() - self.dead_band).max(0.0).copysign(moved)
+        let beyond = (moved.abs() - self.dead_band).max(0.0);
+        let edge = overlap * (1.0 + self.overlap);
+        let size = match self.overlap {
+            0.0 => beyond,
+            _ if beyond < edge => beyond / edge * overlap,
+            _ => beyond - edge + overlap,
+        };
+        size.copysign(moved)
     }
 
     /// What the valve's edges lose at `spool` and the load pressure `pressure`, bar: m/s of the piston.

@@ -190,7 +190,7 @@ impl Cylinder {
     /// Flow through the valve as it is worn (3-7), m/s of the piston.
     fn flow(&self, spool: f64, pressure: f64, drive: &Drive) -> f64 {
         let wear = &drive.wear;
-        let flow = self.passed(wear.effective(spool), pressure, drive.supply);
+        let flow = self.passed(wear.effective(spool, self.valve.overlap()), pressure, drive.supply);
         (1.0 + wear.flow) * flow - wear.lost(spool, pressure)
     }
 

@@ -36,6 +36,11 @@ impl Valve {
         }
     }
 
+    /// Spool position at which the ports begin to open, part of the full stroke.
+    pub(super) fn overlap(&self) -> f64 {
+        self.overlap
+    }
+
     /// The part of the full flow that passes at `spool`, −1 to 1, in its direction: 0 to 1.
     pub fn opening(&self, spool: f64) -> f64 {
         let size = spool.abs();

@@ -119,6 +119,7 @@ fn plant(tables: &Tables) -> Result<(), TableError> {
         within("thermal.viscosity", thermal.viscosity, [0.0, 0.9])?;
         within("thermal.leakage", thermal.leakage, [0.0, 0.9])?;
         within("thermal.flow", thermal.flow, [0.0, 0.5])?;
+        within("thermal.overlap", thermal.overlap, [0.0, 0.9])?;
         within("thermal.period", thermal.period, [60.0, MUCH])?;
     }
     each_within("spread.extend", &spread.extend, [0.1, 10.0])?;
@@ -141,6 +142,12 @@ fn disturbance(it: &Disturbance) -> Result<(), TableError> {
         ordered_within("disturbance.load.time", load.time, time)?;
         within("disturbance.load.part", load.part, [0.1, 10.0])?;
     }
+    if let Some(steps) = &it.load_steps {
+        ordered_within("disturbance.load_steps.time", steps.time, time)?;
+        within("disturbance.load_steps.part", steps.part, [0.0, 0.9])?;
+        within("disturbance.load_steps.every", steps.every, [0.1, MUCH])?;
+        within("disturbance.load_steps.within", steps.within, [0.0, 1000.0])?;
+    }
     if let Some(pump) = &it.pump {
         ordered_within("disturbance.pump.time", pump.time, time)?;
         within("disturbance.pump.part", pump.part, [0.0, 1.0])?;
@@ -158,6 +165,7 @@ fn disturbance(it: &Disturbance) -> Result<(), TableError> {
         ordered_within("disturbance.sampling.time", sampling.time, time)?;
         within("disturbance.sampling.skew", sampling.skew, [-0.1, 0.1])?;
         within("disturbance.sampling.jitter", sampling.jitter, [0.0, 0.1])?;
+        within("disturbance.sampling.shared_jitter", sampling.shared_jitter, [0.0, 0.1])?;
     }
     it.valve.as_ref().map_or(Ok(()), |table| valve("disturbance.valve", table))
 }

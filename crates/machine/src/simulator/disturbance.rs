@@ -1,6 +1,7 @@
 //! Disturbances of the process and of the wiring of all transducers, which are no fault of a single
 //! one.
 
+use super::load_steps::LoadSteps;
 use crate::plant::{CYLINDERS, ValveTable};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -13,6 +14,8 @@ use serde::Deserialize;
 pub struct Disturbance {
     /// Load of all cylinders, multiplied by `part`.
     pub load: Option<Change>,
+    /// Loads of single cylinders change suddenly.
+    pub load_steps: Option<LoadSteps>,
     /// Flow of the pump, multiplied by `part`.
     pub pump: Option<Change>,
     /// Spools stick.
@@ -22,7 +25,7 @@ pub struct Disturbance {
     pub valve: Option<ValveTable>,
     /// Spikes: single samples that are off.
     pub spikes: Option<Spikes>,
-    /// Sampling times of C2 beside those of C1.
+    /// Sampling times beside those that are usual.
     pub sampling: Option<Sampling>,
 }
 
@@ -38,18 +41,21 @@ pub struct Spikes {
     pub counts: f64,
 }
 
-/// A sampling time of each C2 that differs from its C1's.
+/// Sampling times that differ from the usual ones.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sampling {
     /// From and until, s after the first cycle.
     pub time: [f64; 2],
-    /// Constant delay of the samples, s.
+    /// Constant delay of the samples of each C2, s.
     #[serde(default)]
     pub skew: f64,
-    /// Standard deviation of a random shift of the samples, s.
+    /// Standard deviation of a random shift of the samples of each C2, s.
     #[serde(default)]
     pub jitter: f64,
+    /// Standard deviation of a random shift that C1 and C2 of a cylinder share, s.
+    #[serde(default)]
+    pub shared_jitter: f64,
 }
 
 /// Disturbance of one reading.
@@ -107,20 +113,31 @@ impl Disturbance {
         })
     }
 
-    /// Disturbance of C1 (0) or C2 (1) of a cylinder at `time`, s.
-    pub fn reading(&self, time: f64, which: usize, rng: &mut ChaCha8Rng) -> Misread {
-        let mut misread = Misread::default();
-        if let Some(it) = self.sampling.filter(|it| which == 1 && is_in(it.time, time)) {
-            let normal: f64 = StandardNormal.sample(rng);
-            misread.late = it.skew + it.jitter * normal;
-        }
-        if let Some(it) = self.spikes.filter(|it| is_in(it.time, time))
-            && rng.random::<f64>() < it.share[which]
-        {
-            misread.counts = if rng.random::<bool>() { it.counts } else { -it.counts };
-        }
-        misread
+    /// Disturbances of C1 and C2 of a cylinder at `time`, s.
+    pub fn readings(&self, time: f64, rng: &mut ChaCha8Rng) -> [Misread; 2] {
+        let sampling = self.sampling.filter(|it| is_in(it.time, time));
+        let spikes = self.spikes.filter(|it| is_in(it.time, time));
+        let shared = match sampling {
+            Some(it) if it.shared_jitter > 0.0 => it.shared_jitter * normal(rng),
+            _ => 0.0,
+        };
+        std::array::from_fn(|which| {
+            let mut misread = Misread { late: shared, counts: 0.0 };
+            if let Some(it) = sampling.filter(|_| which == 1) {
+                misread.late += it.skew + it.jitter * normal(rng);
+            }
+            if let Some(it) = spikes
+                && rng.random::<f64>() < it.share[which]
+            {
+                misread.counts = if rng.random::<bool>() { it.counts } else { -it.counts };
+            }
+            misread
+        })
     }
+}
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
 }
 
 fn is_in([from, until]: [f64; 2], time: f64) -> bool {
@@ -162,19 +179,24 @@ mod tests {
         let none = Disturbance::default();
         assert_eq!((none.load(7.0), none.pump_lost(7.0)), (1.0, 0.0));
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        assert_eq!([0, 1].map(|which| none.reading(7.0, which, &mut rng)), [Misread::default(); 2]);
+        assert_eq!(none.readings(7.0, &mut rng), [Misread::default(); 2]);
     }
 
     #[test]
     fn readings_are_off_by_chance_in_their_time() {
         let disturbance = Disturbance {
             spikes: Some(Spikes { time: [1.0, 2.0], share: [0.1, 0.0], counts: 4.0 }),
-            sampling: Some(Sampling { time: [1.0, 2.0], skew: 3e-4, jitter: 2e-4 }),
+            sampling: Some(Sampling {
+                time: [1.0, 2.0],
+                skew: 3e-4,
+                jitter: 2e-4,
+                shared_jitter: 0.0,
+            }),
             ..Disturbance::default()
         };
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut read = |time, which| -> Vec<Misread> {
-            (0..10_000).map(|_| disturbance.reading(time, which, &mut rng)).collect()
+        let mut read = |time, which: usize| -> Vec<Misread> {
+            (0..10_000).map(|_| disturbance.readings(time, &mut rng)[which]).collect()
         };
         assert!(read(0.5, 0).iter().chain(&read(2.0, 1)).all(|it| *it == Misread::default()));
         let (c1, c2) = (read(1.5, 0), read(1.5, 1));
@@ -184,5 +206,18 @@ mod tests {
         let mean = c2.iter().map(|it| it.late).sum::<f64>() / 1e4;
         let square = c2.iter().map(|it| (it.late - mean).powi(2)).sum::<f64>() / 1e4;
         assert!((mean - 3e-4).abs() < 1e-5 && (square.sqrt() - 2e-4).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_shared_jitter_moves_both_samples_alike() {
+        let sampling = Sampling { time: [0.0, 1.0], skew: 0.0, jitter: 0.0, shared_jitter: 1e-3 };
+        let disturbance = Disturbance { sampling: Some(sampling), ..Disturbance::default() };
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let late: Vec<[f64; 2]> = (0..10_000)
+            .map(|_| disturbance.readings(0.5, &mut rng).map(|misread| misread.late))
+            .collect();
+        assert!(late.iter().all(|[c1, c2]| c1 == c2));
+        let square = late.iter().map(|[c1, _]| c1 * c1).sum::<f64>() / 1e4;
+        assert!((square.sqrt() - 1e-3).abs() < 3e-5, "{square}");
     }
 }

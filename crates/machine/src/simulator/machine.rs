@@ -3,6 +3,7 @@
 use super::Options;
 use super::ailing::Ailing;
 use super::disturbance::{Disturbance, Misread};
+use super::load_steps::SteppedLoads;
 use super::tables::{Gangway, SensorTable, Tables, Thermal};
 use super::top::TopSensor;
 use super::trail::Trail;
@@ -42,6 +43,9 @@ const TOP_STREAM: u64 = u64::MAX - 6;
 /// Stream of the seed for disturbances of readings, separate so that they change nothing else.
 const MISREAD_STREAM: u64 = u64::MAX - 3;
 
+/// Stream of the seed for sudden changes of the loads.
+const LOAD_STREAM: u64 = u64::MAX - 7;
+
 /// Everything that can be measured at Sync.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -75,6 +79,7 @@ pub struct Machine {
     loads: [f64; CYLINDERS],
     gangway: Gangway,
     disturbance: Disturbance,
+    stepped: Option<SteppedLoads>,
     ailing: Ailing,
     thermal: Option<Thermal>,
     /// β of (3-8), 1/s.
@@ -154,6 +159,10 @@ impl Machine {
             loads,
             gangway: tables.gangway,
             disturbance: tables.disturbance,
+            stepped: tables
+                .disturbance
+                .load_steps
+                .map(|table| SteppedLoads::new(table, random(LOAD_STREAM))),
             ailing: Ailing::new(&options.ailments),
             thermal: tables.thermal,
             leakage: parameters.cylinder.leakage,
@@ -249,9 +258,8 @@ impl Machine {
         let time = self.time();
         for leg in 0..CYLINDERS {
             let state = self.plant.states()[leg];
-            for which in 0..2 {
-                let Misread { late, counts } =
-                    self.disturbance.reading(time, which, &mut self.misreads);
+            let misreads = self.disturbance.readings(time, &mut self.misreads);
+            for (which, Misread { late, counts }) in misreads.into_iter().enumerate() {
                 // The timer knows nothing of the Sync.
                 let timer = self.timers[leg][which];
                 let age = if timer > 0.0 { self.ages.random_range(0.0..timer) } else { 0.0 };
@@ -305,6 +313,10 @@ impl Machine {
         self.sea.advance();
         self.motion = self.sea.motion();
         self.sample += 1;
+        let time = self.time();
+        if let Some(stepped) = &mut self.stepped {
+            stepped.advance(time, self.sample_time);
+        }
     }
 
     /// Time since the first cycle, s.
@@ -325,7 +337,9 @@ impl Machine {
             spools,
             loads: std::array::from_fn(|leg| {
                 let bearing = leg as f64 * TAU / CYLINDERS as f64;
-                load * self.loads[leg] * (1.0 + self.gangway.load * (phase - bearing).cos())
+                let stepped = self.stepped.as_ref().map_or(1.0, |it| it.factor(leg));
+                let slewed = 1.0 + self.gangway.load * (phase - bearing).cos();
+                load * stepped * self.loads[leg] * slewed
             }),
             accelerations: std::array::from_fn(|leg| {
                 legs.directions[leg].dot(&(lift + turn.cross(&legs.base_arms[leg])))
@@ -344,6 +358,7 @@ impl Machine {
             viscosity: -part * thermal.viscosity,
             leakage: part * thermal.leakage * self.leakage,
             flow: part * thermal.flow,
+            overlap: part * thermal.overlap,
             ..Wear::default()
         }
     }

@@ -132,6 +132,9 @@ pub struct Thermal {
     pub leakage: f64,
     /// Flow of the valves.
     pub flow: f64,
+    /// Overlap of the valves' spools, their dead band; default none.
+    #[serde(default)]
+    pub overlap: f64,
     /// Time from warm to warm, s.
     pub period: f64,
 }
