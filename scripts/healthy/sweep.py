@@ -5,6 +5,7 @@ import tempfile
 from itertools import product
 from pathlib import Path
 
+from circumstances import circumstances
 from machine import Taught, at_most
 
 GRADES = {"fine": 1, "coarse": 4}
@@ -115,7 +116,7 @@ def new_ones(warnings, known):
 def main():
     parser = argparse.ArgumentParser(prog="scripts/sweep-healthy")
     listed = lambda of: lambda text: [of(part) for part in text.split(",")]
-    parser.add_argument("what", choices=["spikes", "sampling", "late"])
+    parser.add_argument("what", choices=["spikes", "sampling", "late", "circumstances"])
     parser.add_argument("--share", type=listed(float), default=[0.1, 0.5, 1.0, 2.0, 3.0])
     parser.add_argument("--counts", type=listed(float), default=[2.0, 4.0, 10.0, 40.0])
     parser.add_argument("--on", type=listed(str), default=["both", "c1", "c2"])
@@ -125,12 +126,20 @@ def main():
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--level", type=float)
     parser.add_argument("--teach", type=float, default=1200.0)
+    parser.add_argument("--machines", type=listed(int), default=[1, 2])
+    parser.add_argument("--taught-sea", default="1.5,7")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--keep", default="")
     parser.add_argument("--binary", type=Path, required=True)
     options = parser.parse_args()
+    options.binary = options.binary.resolve()
     with tempfile.TemporaryDirectory(prefix="tertius-healthy.") as folder:
         def teach(grade, befalls):
             return Taught(Path(folder), options.binary, GRADES[grade], befalls, options.teach, options.level)
 
+        if options.what == "circumstances":
+            circumstances(options, Path(folder))
+            return
         {"spikes": spikes, "sampling": sampling, "late": late}[options.what](options, teach)
 
 
