@@ -5,9 +5,10 @@
 //! where readings move in coarse counts, is measured by how much the evidence of healthy windows of
 //! each width exceeds its rarity.
 //!
-//! Where readings are sometimes off for a fraction of a second, two or three such stretches may
-//! coincide and fill a window that one alone does not. The wider windows are therefore composed
-//! from the frequencies seen in windows as long as one stretch.
+//! Where readings are sometimes off for a fraction of a second, two or three such stretches may follow each other and fill
+//! a window that one alone does not. The wider windows are therefore composed from the frequencies seen in windows as long
+//! as one stretch. And one of C1 may coincide with an opposite one of C2: C1 − C2 is then off by twice as much, some times
+//! an hour on a machine, and hardly ever in the quarter of an hour that teaches.
 
 use super::parameters::{DependenceParameters, EvidenceParameters};
 use super::rate::{Magnitudes, Of, Rate};
@@ -65,12 +66,21 @@ impl Measuring {
         dependence
     }
 
-    /// Composes windows wider than that of the index `stretch` from several of it.
+    /// Takes into account that two stretches may coincide, and composes windows wider than that of the index `stretch` from
+    /// several of it.
     fn compose(&self, dependence: &mut Dependence, stretch: usize, scales: &Scales) {
+        let [means, squares] = dependence;
+        for (index, (of_mean, of_square)) in
+            means.iter_mut().zip(&mut *squares).enumerate().take(stretch + 1)
+        {
+            let by_mean = |beyond: f64| scales.by_mean(index, beyond);
+            let by_square = |root: f64| scales.by_square(index, root * root);
+            *of_mean = of_mean.max(coinciding(&self.means[index], WIDTHS[index], by_mean));
+            *of_square = of_square.max(coinciding(&self.squares[index], WIDTHS[index], by_square));
+        }
         let level = scales.bands().outliers().least_level();
         let mean = Composed::of(&self.means[stretch], Of::Mean, stretch);
         let square = Composed::of(&self.squares[stretch], Of::Square, stretch);
-        let [means, squares] = dependence;
         let widths = means.iter_mut().zip(squares).enumerate().skip(stretch + 1);
         for (index, (of_mean, of_square)) in widths {
             let by_mean = |beyond: f64| scales.by_mean(index, beyond);
@@ -122,20 +132,31 @@ impl Composed {
     fn outgrown(&self, level: f64, index: usize, evidence: impl Fn(f64) -> f64) -> f64 {
         let parts = WIDTHS[index] as f64 / self.width as f64;
         let most = parts * self.rate.at(self.largest);
-        if most < level {
-            // However far off all of it is, it may be so many stretches.
-            return (evidence(f64::INFINITY) / most).max(1.0);
+        if most >= level {
+            return (evidence(self.at(level / parts)) / level).max(1.0);
         }
+        // All of it may be so many stretches, and others may coincide with them; but none is larger.
+        let least = evidence(self.largest) / most;
+        let both = if 2.0 * most < level {
+            evidence(2.0 * self.largest) / (2.0 * most)
+        } else {
+            evidence(self.largest + self.at((level - most) / parts)) / level
+        };
+        least.max(both).max(1.0)
+    }
+
+    /// The value as rare as so many `nats`, at most those of the largest, m.
+    fn at(&self, nats: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.largest);
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            if parts * self.rate.at(middle) < level {
+            if self.rate.at(middle) < nats {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        (evidence(high) / level).max(1.0)
+        high
     }
 }
 
@@ -147,19 +168,30 @@ fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -
 /// Largest ratio of evidence to its rarity, in nats: where readings are sometimes a few counts off
 /// for a fraction of a second, all such windows are alike, and their tail says nothing of them.
 fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
+    rarities(windows, width)
+        .fold(1.0, |most, (magnitude, rarity)| most.max(evidence(magnitude) / rarity))
+}
+
+/// The same of one that coincides with the largest that was seen: as far off as both together, and as rare.
+fn coinciding(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -> f64 {
+    let Some((largest, with_it)) = rarities(windows, width).next() else { return 1.0 };
+    rarities(windows, width).fold(1.0, |most, (magnitude, rarity)| {
+        most.max(evidence(largest + magnitude) / (with_it + rarity))
+    })
+}
+
+/// Magnitudes that some of the windows exceed but not many, the largest first, and how rare it is that they do, nats.
+fn rarities(windows: &Magnitudes, width: usize) -> impl Iterator<Item = (f64, f64)> + '_ {
     let all = windows.total() as f64;
     let least = P.rare * width as f64;
-    let (mut beyond, mut most) = (0.0, 1.0_f64);
-    for (magnitude, count) in windows.bins().rev() {
-        beyond += count as f64;
-        if beyond > P.most * all {
-            break;
-        }
-        if beyond >= least {
-            most = most.max(evidence(magnitude) / libm::log(all / beyond));
-        }
-    }
-    most
+    let exceeded = windows.bins().rev().scan(0.0, |beyond, (magnitude, count)| {
+        *beyond += count as f64;
+        Some((magnitude, *beyond))
+    });
+    exceeded
+        .take_while(move |(_, beyond)| *beyond <= P.most * all)
+        .filter(move |(_, beyond)| *beyond >= least)
+        .map(move |(magnitude, beyond)| (magnitude, libm::log(all / beyond)))
 }
 
 /// Mean excess of the evidence in its tail, nats; 1 for an exponential tail.
