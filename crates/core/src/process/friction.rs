@@ -99,7 +99,7 @@ impl FrictionWatch {
     /// Takes a cycle; `None` without all of it. Returns whether another block is judged with it.
     pub fn step(&mut self, sample: Option<ForceSample>) -> bool {
         let Some(block) = self.forces.step(sample) else { return false };
-        self.windows.push(&self.design.block(&block));
+        self.windows.push(&self.design.block(&block), &self.weighing);
         true
     }
 

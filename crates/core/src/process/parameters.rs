@@ -16,6 +16,9 @@ pub struct ProcessParameters {
     pub windows: [f64; 2],
     /// No sample is evidence beyond so many standard deviations: a spike is no fault.
     pub farthest: f64,
+    /// What the second derivative of a spool's expected position may leave of it, s²: a recording of a smooth sea does not
+    /// show how a valve follows a command that swings with several hertz, as the one of a rod whose seals stick.
+    pub spool_bend: f64,
     /// Displacement of the spool that is no fault, as a part of the largest position that was taught.
     pub spool_band: f64,
     /// Cycles with both readings that weigh as much as one without: where more than one in 17 is without, that adds up.
@@ -74,6 +77,10 @@ pub struct ProcessParameters {
     pub friction_settling: f64,
     /// v₀: speed at which Coulomb's friction has its full size, m/s.
     pub friction_speed: f64,
+    /// No block is evidence of friction beyond so many bar and so many times the deviation that was learnt (the root of Ω's
+    /// first place), whichever is more: a load that changes suddenly, as where people walk over the gangway, leaves ten bar
+    /// for some seconds.
+    pub friction_farthest: [f64; 2],
     /// Coulomb friction beyond that learnt that is no fault, bar, …
     pub friction_band: f64,
     /// … and the part of the viscous one that the oil's temperature may change.
@@ -100,6 +107,7 @@ impl ProcessParameters {
         settling: 0.5,
         windows: [0.08, 10.24],
         farthest: 6.0,
+        spool_bend: 2e-4,
         spool_band: 3e-3,
         loss: 16,
         losses: 6,
@@ -127,6 +135,7 @@ impl ProcessParameters {
         friction_slow: 3.0,
         friction_settling: 9.0,
         friction_speed: 0.01,
+        friction_farthest: [2.7, 3.0],
         friction_band: 0.45,
         friction_viscosity: 0.25,
         supply_band: 1.5,

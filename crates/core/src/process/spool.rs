@@ -63,19 +63,21 @@ pub struct Spool {
     design: SpoolDesign,
     /// Cycles until a prediction that began anywhere is right.
     settling: u32,
+    /// [`ProcessParameters::spool_bend`], cycles².
+    bend: f64,
     run: Run,
 }
 
 state! {
     Spool { run }
-    but { design, settling }
+    but { design, settling, bend }
 }
 
 /// What changes from cycle to cycle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Run {
-    /// x̂ of this cycle, once there is one, and of the one before.
-    expected: Option<[f64; 2]>,
+    /// x̂ of this cycle, once there is one, and of the two before.
+    expected: Option<[f64; 3]>,
     /// g₂ of the command of the cycle before.
     before: Option<f64>,
     /// Cycles that are left until it is right.
@@ -88,8 +90,10 @@ whole! { Run { expected, before, unsettled, doubt } }
 
 impl Spool {
     pub fn new(design: SpoolDesign, sample_time: f64) -> Self {
-        let settling = time::cycles(ProcessParameters::DEFAULT.settling, sample_time).max(2);
-        Self { design, settling, run: Run::default() }
+        let by = &ProcessParameters::DEFAULT;
+        let settling = time::cycles(by.settling, sample_time).max(2);
+        let bend = by.spool_bend / (sample_time * sample_time);
+        Self { design, settling, bend, run: Run::default() }
     }
 
     pub const fn design(&self) -> &SpoolDesign {
@@ -104,7 +108,7 @@ impl Spool {
     // What it returns is taken apart at once: as a call it goes through memory, for 50 instructions.
     #[inline(always)]
     pub fn step(&mut self, command: Option<f64>, position: Option<f64>) -> Option<Stand> {
-        let Self { design, settling, run } = self;
+        let Self { design, settling, bend, run } = self;
         let Some(command) = command else {
             *run = Run::default();
             return None;
@@ -115,10 +119,11 @@ impl Spool {
         if run.expected.is_none() {
             run.unsettled = *settling;
         }
-        let [expected, former] = run.expected.or(position.map(|here| [here; 2]))?;
+        let [expected, former, earlier] = run.expected.or(position.map(|here| [here; 3]))?;
         let stand = position.map(|position| {
             let way = design.timing * (expected - former);
-            let variance = design.deviation * design.deviation + way * way;
+            let bent = *bend * (expected - 2.0 * former + earlier);
+            let variance = design.deviation * design.deviation + way * way + bent * bent;
             let (doubt, is_settled) = (run.doubt, run.unsettled == 0);
             Stand { position, expected, variance, doubt, is_settled }
         });
@@ -130,7 +135,7 @@ impl Spool {
         run.doubt = design.retained * run.doubt + doubt.unwrap_or_default();
         let next = design.retained * expected + design.curve.at_place(at) + before;
         // Whatever is not finite gets there first.
-        run.expected = next.is_finite().then_some([next, expected]);
+        run.expected = next.is_finite().then_some([next, expected, former]);
         stand
     }
 }

@@ -94,7 +94,7 @@ fn verify(
     let mut windows = FrictionWindows::default();
     let (mut worst, mut at) = (0.0, 0.0);
     for Told { t, block, .. } in blocks {
-        windows.push(block);
+        windows.push(block, &weighing);
         let nats = windows.peak(&weighing).nats;
         if nats > worst {
             (worst, at) = (nats, *t);

@@ -24,8 +24,9 @@ const TURN: usize = 4;
 /// wave says more than Ω allows for: with windows from 5 s on, two of 96 healthy hours had a false alarm.
 const BLOCKS: [usize; 5] = [80, 120, 200, 300, 500];
 
-/// Values of a block that are summed: G, and W without what is below its diagonal.
-const SUMMED: usize = 5;
+/// Values of a block that are summed: G as far as it is evidence, and the whole of it; and W without what is below its
+/// diagonal.
+const SUMMED: usize = 7;
 
 /// Places in the upper half of Ω.
 pub const SCATTERS: usize = 3;
@@ -51,8 +52,31 @@ impl FrictionWeighing {
         is_sound.then_some(Self { scatter: design.scatter })
     }
 
+    /// The most Coulomb friction that a block is evidence of, bar.
+    fn farthest(&self) -> f64 {
+        let [least, deviations] = P.friction_farthest;
+        f64::max(least, deviations * libm::sqrt(self.scatter[0]))
+    }
+
+    /// By the part of G that is evidence.
     fn solve(&self, width: usize, sums: [f64; SUMMED]) -> Option<Solved> {
-        let [of_coulomb, of_viscous, squared, mixed, viscous] = sums;
+        let [of_coulomb, of_viscous, _, _, w @ ..] = sums;
+        self.solved(width, [of_coulomb, of_viscous], w)
+    }
+
+    /// By the whole of G.
+    fn solve_whole(&self, width: usize, sums: [f64; SUMMED]) -> Option<Solved> {
+        let [_, _, of_coulomb, of_viscous, w @ ..] = sums;
+        self.solved(width, [of_coulomb, of_viscous], w)
+    }
+
+    fn solved(
+        &self,
+        width: usize,
+        g: [f64; 2],
+        [squared, mixed, viscous]: [f64; 3],
+    ) -> Option<Solved> {
+        let [of_coulomb, of_viscous] = g;
         let (n, doubt) = (width as f64, P.friction_viscosity * P.friction_viscosity);
         let [a, b, d] = self.scatter.map(|it| n * it);
         let a = a + doubt * mixed * mixed;
@@ -82,12 +106,16 @@ impl FrictionWindows {
     }
 
     /// Takes a block, as far as it is evidence; nothing that is not finite, which no sum would ever forget.
-    pub fn push(&mut self, block: &FrictionBlock) {
+    pub fn push(&mut self, block: &FrictionBlock, by: &FrictionWeighing) {
         let FrictionBlock { left, directions: [coulomb, viscous] } = *block;
-        let products = [coulomb * left, viscous * left];
+        let farthest = by.farthest() * coulomb.abs();
+        let evident = left.max(-farthest).min(farthest);
+        let products = [evident, left].map(|left| [coulomb * left, viscous * left]);
         let squares = [coulomb * coulomb, coulomb * viscous, viscous * viscous];
-        if products.iter().chain(&squares).all(|it| it.is_finite()) {
-            self.sums.push([products[0], products[1], squares[0], squares[1], squares[2]]);
+        let [[a, b], [c, d]] = products;
+        let values = [a, b, c, d, squares[0], squares[1], squares[2]];
+        if values.iter().all(|it| it.is_finite()) {
+            self.sums.push(values);
         }
     }
 
@@ -120,7 +148,7 @@ impl FrictionWindows {
 
     /// Coulomb friction beyond that learnt over the newest `width` blocks, bar; `None` if there are not so many.
     pub fn size(&self, by: &FrictionWeighing, width: usize) -> Option<f64> {
-        by.solve(width, self.sums.over(width)?).map(|it| it.size)
+        by.solve_whole(width, self.sums.over(width)?).map(|it| it.size)
     }
 }
 
@@ -141,7 +169,7 @@ mod tests {
             let speed = libm::sin(0.157 * f64::from(k));
             let directions = [libm::tanh(20.0 * speed), 8.0 * speed];
             let left = coulomb * directions[0] + viscous * directions[1];
-            windows.push(&FrictionBlock { left, directions });
+            windows.push(&FrictionBlock { left, directions }, &weighing());
         }
         windows
     }
@@ -151,7 +179,7 @@ mod tests {
         let by = weighing();
         let (w, omega) = (windows(1.0, 0.0).sums.newest(300), weighing().scatter);
         let n = nalgebra::Matrix2::new(omega[0], omega[1], omega[1], omega[2]) * 300.0;
-        let (m, v) = (nalgebra::Vector2::new(w[2], w[3]), nalgebra::Vector2::new(w[3], w[4]));
+        let (m, v) = (nalgebra::Vector2::new(w[4], w[5]), nalgebra::Vector2::new(w[5], w[6]));
         let c = n + P.friction_viscosity.powi(2) * v * v.transpose();
         let inverse = c.try_inverse().expect("it is definite");
         let weight = (m.transpose() * inverse * m)[0];
@@ -176,6 +204,21 @@ mod tests {
         }
     }
 
+    /// A load that changes by 10 bar at once: the slow part follows it within three seconds.
+    #[test]
+    fn a_load_that_changes_suddenly_is_no_friction() {
+        let (by, mut windows) = (weighing(), FrictionWindows::default());
+        let mut most = 0.0_f64;
+        for k in 0..1200_u32 {
+            let direction = libm::tanh(20.0 * libm::sin(0.157 * f64::from(k)));
+            let age = k % 300;
+            let left = 10.0 * libm::exp(-f64::from(age) * 0.2 / P.friction_slow);
+            windows.push(&FrictionBlock { left, directions: [direction, direction] }, &by);
+            most = most.max(windows.peak(&by).nats);
+        }
+        assert!(most < 1.0, "{most}");
+    }
+
     #[test]
     fn a_matrix_that_is_no_covariance_is_refused() {
         let of = |scatter| {
@@ -191,7 +234,7 @@ mod tests {
     fn nothing_spoils_the_sums_for_good() {
         let mut spoilt = windows(1.0, 0.0);
         for left in [f64::NAN, f64::INFINITY] {
-            spoilt.push(&FrictionBlock { left, directions: [1.0, 1.0] });
+            spoilt.push(&FrictionBlock { left, directions: [1.0, 1.0] }, &weighing());
         }
         assert_eq!(spoilt.sums.count(), 300);
     }
