@@ -134,6 +134,10 @@ def over(judge, attacked):
         stalls = [it for it in run.machines if it.has(end, SECOND)]
         is_befallen = run.disturbed(begin, end) or stalls
         is_befallen = is_befallen or any(s.begin <= end and s.end >= begin for s in others + faults)
+        # The recording begins with a platform that is not monitored.
+        anew = max((it.end for it in run.machines if it.what == "wrap" and it.end <= end), default=0)
+        since = bisect_left(run.status_times, anew)
+        is_befallen = is_befallen or not any(HEALTHY in judge.states[j] for j in range(since, i + 1))
         if i == len(run.status_times) or is_befallen:
             continue
         looked += 1
