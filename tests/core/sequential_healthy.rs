@@ -1,7 +1,7 @@
 //! What is no fault of a transducer, and what the sequential detectors say of it: nothing.
 
 use crate::sequential_support::{Bench, Heard, Setup, fine, one_each, setup};
-use tertius::alarm::{State as Said, Warning};
+use tertius::alarm::{Detector, State as Said, Warning};
 use tertius::controller::State;
 use tertius::frame::Frame;
 use tertius::monitor::Notice;
@@ -57,6 +57,33 @@ fn many_spikes() {
     for (share, counts) in [(0.005, 4.0), (0.02, 4.0), (0.02, 40.0)] {
         let heard = setup().with(spiky([share; 2], counts)).run(240.0, false, &[]);
         nothing(&heard, &format!("{share} of {counts} counts"));
+    }
+}
+
+/// Raises of FDE1, FDE2 and FDE3.
+fn by_threshold(heard: &Heard) -> Vec<&Warning> {
+    let is_fde =
+        |it: &&Warning| matches!(it.detector, Detector::Fde1 | Detector::Fde2 | Detector::Fde3);
+    heard.others.iter().filter(is_fde).filter(|it| it.state == Said::Raised).collect()
+}
+
+/// Half a sample in a hundred, on all twelve: three spikes a second, the larger ones beyond each threshold. What one leaves in
+/// its observer is let pass, too.
+#[test]
+fn wild_samples_raise_no_threshold_and_hide_no_step() {
+    // Spikes as large as the threshold are now and then beyond it and now and then not.
+    for (counts, most) in [(10.0, 8), (40.0, 1), (200.0, 2)] {
+        let setup = setup().with(spiky([0.005; 2], counts));
+        let heard = setup.run(240.0, false, &[]);
+        let raised = by_threshold(&heard);
+        assert!(raised.len() <= most, "{counts} counts: {raised:?}");
+        let step = "step,cylinder=2,sensor=c2,at=100.003,size=0.005".to_owned();
+        let heard = setup.run(110.0, false, &[step]);
+        let found = by_threshold(&heard);
+        let first = found.iter().find(|it| it.cylinder == 2).expect("it is found");
+        let delay = first.timestamp.since(EPOCH).as_seconds() - 100.0;
+        assert!((0.0..0.1).contains(&delay), "{counts} counts: after {delay} s");
+        assert_eq!(first.finding.suspect, Suspect::C2, "{counts} counts");
     }
 }
 

@@ -67,6 +67,11 @@ impl Verdict {
                 advice.push(ADVICE.to_owned());
                 Some(nothing(*stage).to_owned())
             }
+            (None, None) if taught.told_too_short().is_some() => {
+                reasons.splice(0..0, taught.told_too_short());
+                advice.push(LONGER.to_owned());
+                Some("the recording is too short".to_owned())
+            }
             (None, None) => {
                 let (why, what) = untried(rehearsed);
                 reasons.push(why);

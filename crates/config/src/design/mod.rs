@@ -165,7 +165,7 @@ impl<'a> Connector<'a> {
         let settings = self.settings;
         let (gain, offset) = settings.comparator_of(n);
         let clear = Span::from_seconds(settings.alarm.clear);
-        let fde = &settings.fde;
+        let (fde, judged) = (&settings.fde, &verdict::VerdictParameters::DEFAULT);
         let thresholds = |low, high| Thresholds { low, high, clear };
         Some(CylinderDesign {
             number: n,
@@ -187,10 +187,11 @@ impl<'a> Connector<'a> {
                 observer: thresholds(fde.low, fde.high),
                 joint: fde.joint.unwrap_or(f64::INFINITY),
                 difference: thresholds(settings.comparator_low(), settings.comparator.bound),
+                lasting: judged.lasting_beside(sequential.is_some()),
                 calibrated: settings.is_aligned(n),
                 coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
-                parameters: &verdict::VerdictParameters::DEFAULT,
+                parameters: judged,
                 sample_time: settings.machine.sample_time,
             },
             observers,

@@ -16,6 +16,7 @@ mod precedence;
 mod saved;
 mod tally;
 mod telling;
+mod wild;
 
 use super::gate::Opening;
 use super::implausible::Implausible;
@@ -25,7 +26,7 @@ use crate::estimate::{Estimate, VirtualSensor};
 use crate::frame::Buses;
 use crate::incident::Quantities;
 use crate::observe::commands::CommandWatch;
-use crate::observe::observer::{Innovation, Measurement, Observer, Restart};
+use crate::observe::observer::{Innovation, Measurement, Observer, Restart, Uncorrected};
 use crate::process::Process;
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::Plausibility;
@@ -84,6 +85,10 @@ pub struct Cylinder {
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     commands: CommandWatch,
+    /// Observers as if the newest readings had not corrected them, which may be wild.
+    uncorrected: [Option<Uncorrected>; 2],
+    /// Cycle in which an observer last went on without a wild reading.
+    resumed: [Option<u64>; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
     /// `None` without tables of spool or pressures.
@@ -133,6 +138,8 @@ impl Cylinder {
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             commands: CommandWatch::new(design.commands, design.observers[0].settle),
+            uncorrected: [None; 2],
+            resumed: [None; 2],
             bank: Bank::new(&design.judging_bank()),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),
@@ -250,7 +257,7 @@ impl Cylinder {
         if self.sequential.is_some() {
             self.judge_sequentially(now, good);
         }
-        let residuals = self.judge(now, innovations, difference);
+        let (innovations, residuals) = self.judge(now, innovations, good, difference);
         self.commands.take(command);
         self.judge_measured(now.at, &readings);
         self.judge_agreement(&residuals);

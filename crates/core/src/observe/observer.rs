@@ -2,7 +2,7 @@
 
 use super::model::{Model, POSITION, POSITION_AND_VELOCITY};
 use super::riccati::{self, RiccatiError};
-use crate::state::{choice, state};
+use crate::state::{choice, state, whole};
 use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector3};
 
 /// Fixed parameters of one observer: the model (4-1) and the gain of (5-4).
@@ -43,12 +43,17 @@ impl ObserverDesign {
         Ok(Self { a: model.a, b: model.b, l, settle, max_gap })
     }
 
+    /// A − L C: what is left of an error of the state in the next cycle.
+    fn decay(&self) -> Matrix3<f64> {
+        let mut c = Matrix2x3::identity();
+        c[(1, 1)] = if self.l.column(1).iter().all(|gain| *gain == 0.0) { 0.0 } else { 1.0 };
+        self.a - self.l * c
+    }
+
     /// Number of cycles until a missed correction affects the innovation by less than a tenth of
     /// its first effect, from the powers of A − L C; at most the time to settle.
     pub fn recovery(&self) -> u32 {
-        let mut c = Matrix2x3::identity();
-        c[(1, 1)] = if self.l.column(1).iter().all(|gain| *gain == 0.0) { 0.0 } else { 1.0 };
-        let decay = self.a - self.l * c;
+        let decay = self.decay();
         let mut error: Vector3<f64> = self.l.column(0).into();
         let shown = SHOWN * error[0].abs();
         let mut cycles = 0;
@@ -102,6 +107,21 @@ pub enum Restart {
 }
 
 choice! { Restart { Gap, Diverged, TimeJump, Interruption } }
+
+/// State `[l, l̇, P_L]` of an observer that some readings have not corrected, because they may be wild.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncorrected {
+    x: [f64; 3],
+}
+
+whole! { Uncorrected { x } }
+
+impl Uncorrected {
+    /// Predicted length, m.
+    pub const fn length(&self) -> f64 {
+        self.x[0]
+    }
+}
 
 /// An observer with its state.
 #[derive(Clone, Debug)]
@@ -188,6 +208,38 @@ impl Observer {
         self.followed
     }
 
+    /// The state as if the position of the newest reading, off by `residual`, m, had not corrected it.
+    pub fn uncorrected(&self, residual: f64) -> Uncorrected {
+        let gain = self.design.l.column(0);
+        Uncorrected { x: core::array::from_fn(|i| self.x[i] - gain[i] * residual) }
+    }
+
+    /// Goes on from a state without the readings that were wild, with this reading of the newest cycle.
+    pub fn resume(&mut self, from: Uncorrected, y: Measurement) -> Innovation {
+        self.x = from.x;
+        self.followed = self.followed.saturating_sub(1);
+        self.follow(y)
+    }
+
+    /// The state as if the position of the reading before the newest one, off by `former`, m, had not corrected it, and what
+    /// is then left of the newest `residual`, m.
+    pub fn without_former(&self, former: f64, residual: f64) -> (Uncorrected, f64) {
+        let left = self.design.l.column(0) * former;
+        let moved = self.design.decay() * left;
+        (Uncorrected { x: core::array::from_fn(|i| self.x[i] - moved[i]) }, residual + left[0])
+    }
+
+    /// Goes on from a state without a reading that was wild.
+    pub const fn take_over(&mut self, from: Uncorrected) {
+        self.x = from.x;
+    }
+
+    /// What follows in the next cycle from a state that no position corrects.
+    pub fn go_on(&self, from: Uncorrected, velocity: Option<f64>) -> Uncorrected {
+        let x = self.advanced(from.x, [0.0, velocity.map_or(0.0, |it| it - from.x[1])]);
+        Uncorrected { x }
+    }
+
     /// Stops the observer; the next measurement restarts it and reports `reason`.
     pub fn stop(&mut self, reason: Restart) {
         if self.running {
@@ -233,15 +285,20 @@ impl Observer {
         }
     }
 
-    /// x ← A x + B u + L ν (5-4), row by row; the sums are taken in the order of nalgebra's products.
+    /// A x + B u + L ν (5-4), row by row; the sums are taken in the order of nalgebra's products.
     #[inline(always)]
-    fn predict(&mut self, innovation: [f64; 2]) {
+    fn advanced(&self, x: [f64; 3], v: [f64; 2]) -> [f64; 3] {
         let ObserverDesign { a, b, l, .. } = &self.design;
-        let (x, v) = (self.x, innovation);
-        self.x = core::array::from_fn(|i| {
+        core::array::from_fn(|i| {
             let free = a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];
             free + b[i] * self.u + (l[(i, 0)] * v[0] + l[(i, 1)] * v[1])
-        });
+        })
+    }
+
+    /// Steps to the next cycle.
+    #[inline(always)]
+    fn predict(&mut self, innovation: [f64; 2]) {
+        self.x = self.advanced(self.x, innovation);
         // A finite number times zero is zero, all else is no number: one question for all three.
         let nothing = self.x[0] * 0.0 + self.x[1] * 0.0 + self.x[2] * 0.0;
         if nothing.is_nan() {

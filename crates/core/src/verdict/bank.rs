@@ -6,6 +6,7 @@ use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, class
 use super::history::ResidualHistory;
 use super::jump::Jump;
 use super::parameters::{VerdictCycles, VerdictParameters};
+use super::persistence::{Persistence, ResidualSample};
 use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
 use super::unaligned::Unaligned;
@@ -28,6 +29,8 @@ pub struct BankDesign {
     pub joint: f64,
     /// Thresholds of R3.
     pub difference: Thresholds,
+    /// Samples for which a residual has to stay beyond its threshold to be a fault, at least 1.
+    pub lasting: u32,
     /// Whether a calibration has told by how much C1 and C2 differ.
     pub calibrated: bool,
     /// Time within which FDEs that raise saw the same event.
@@ -57,6 +60,9 @@ const FDE3: usize = 2;
 pub struct Bank {
     triggers: [Trigger; 3],
     verdicts: [Verdict; 3],
+    persistence: [Persistence; 3],
+    /// Whether any of them is open.
+    is_exceeded: bool,
     newest: [f64; 3],
     observed: [ResidualHistory<LONGEST_WINDOW>; 2],
     difference: ResidualHistory<LONGEST_DIFFERENCES>,
@@ -78,7 +84,7 @@ pub struct Bank {
 }
 
 state! {
-    Bank { triggers, verdicts, newest, observed, difference, found, by_joint, any_found }
+    Bank { triggers, verdicts, persistence, is_exceeded, newest, observed, difference, found, by_joint, any_found }
     parts { unaligned }
     but { signatures, joint, calm, coincidence, parameters, cycles }
 }
@@ -88,6 +94,7 @@ state! {
 struct Found {
     fault: Fault,
     suspect: Suspect,
+    /// Cycles since the residual first exceeded its threshold.
     age: u32,
 }
 
@@ -100,6 +107,10 @@ impl Bank {
         Self {
             triggers: [observer.clone(), observer, Trigger::new(design.difference)],
             verdicts: [Verdict::Unknown; 3],
+            persistence: core::array::from_fn(|_| {
+                Persistence::new(design.lasting, design.parameters)
+            }),
+            is_exceeded: false,
             newest: [0.0; 3],
             observed: [ResidualHistory::default(), ResidualHistory::default()],
             difference: ResidualHistory::default(),
@@ -127,7 +138,7 @@ impl Bank {
         // Not a number is not calm.
         let is_calm = |i: usize, it: Option<f64>| it.is_none_or(|it| it.abs() <= self.calm[i]);
         // After a cycle has been judged a trigger is raised only where something is found.
-        let is_open = self.any_found || self.unaligned.is_some();
+        let is_open = self.any_found || self.is_exceeded || self.unaligned.is_some();
         if is_open || !is_calm(0, r1) || !is_calm(1, r2) || !is_calm(FDE3, r3) {
             return false;
         }
@@ -146,26 +157,20 @@ impl Bank {
         true
     }
 
-    /// Takes the residuals of the cycle at `at`, in which C1 read `length`, m, and how C1 − C2 has moved;
-    /// [`Self::verdicts`] and [`Self::detections`] then give the results.
+    /// Takes the residuals of the cycle at `at`, in which C1 read `length`, m, and how C1 − C2 has moved; `aside` are R1 and R2
+    /// without the readings that may be wild. [`Self::verdicts`] and [`Self::detections`] then give the results.
     #[inline(never)]
     pub fn judge(
         &mut self,
         at: Timestamp,
         residuals: &Residuals,
+        aside: [Option<f64>; 2],
         length: Option<f64>,
         jump: Option<Jump>,
     ) {
         let joint = jump.and_then(|jump| self.joint(residuals, jump));
-        for (i, residual) in residuals.r.iter().enumerate() {
-            let trigger = &mut self.triggers[i];
-            self.verdicts[i] = trigger.judge(at, *residual);
-            if joint == Some(i) {
-                let by_itself = residual.is_some_and(|it| it.abs() > trigger.thresholds().high);
-                self.by_joint[i] = !by_itself && (self.by_joint[i] || trigger.raised().is_none());
-                self.verdicts[i] = trigger.raise(at);
-            }
-            if let Some(residual) = *residual {
+        for (i, residual) in residuals.r.into_iter().enumerate() {
+            if let Some(residual) = residual {
                 self.newest[i] = residual;
                 if i == FDE3 {
                     self.difference.push(residual);
@@ -173,13 +178,82 @@ impl Bank {
                     self.observed[i].push(residual);
                 }
             }
+            let is_joint = joint == Some(i);
+            if self.triggers[i].raised().is_some() {
+                self.go_on(i, at, residual, is_joint);
+            } else {
+                let other = [residuals.r[1], residuals.r[0], None][i];
+                let stands = aside.get(i).copied().flatten();
+                let sample = residual.map(|residual| ResidualSample { residual, stands, other });
+                self.begin(i, at, sample, is_joint);
+            }
         }
+        self.is_exceeded = self.persistence.iter().any(Persistence::is_open);
         if let Some(unaligned) = &mut self.unaligned {
             unaligned.judge(at, residuals.r[FDE3], length);
         }
         if self.triggers.iter().any(|t| t.raised().is_some()) || self.any_found() {
             self.remember(at);
         }
+    }
+
+    /// Judges the residual of an FDE that is raised.
+    fn go_on(&mut self, i: usize, at: Timestamp, residual: Option<f64>, is_joint: bool) {
+        let trigger = &mut self.triggers[i];
+        self.verdicts[i] = trigger.judge(at, residual);
+        if is_joint {
+            let by_itself = residual.is_some_and(|it| it.abs() > trigger.thresholds().high);
+            self.by_joint[i] &= !by_itself;
+            self.verdicts[i] = trigger.raise(at);
+        }
+    }
+
+    /// Raises an FDE once its residual has stayed beyond the threshold.
+    fn begin(&mut self, i: usize, at: Timestamp, sample: Option<ResidualSample>, is_joint: bool) {
+        let (trigger, persistence) = (&mut self.triggers[i], &mut self.persistence[i]);
+        let Some(sample) = sample.filter(|it| !it.residual.is_nan()) else {
+            persistence.dismiss();
+            return self.verdicts[i] = trigger.judge(at, None);
+        };
+        let high = trigger.thresholds().high;
+        let exceeds = is_joint || sample.residual.abs() > high;
+        self.verdicts[i] = match persistence.take(at, sample, exceeds) {
+            Some(lasting) => {
+                self.by_joint[i] = lasting.largest.abs() <= high;
+                self.newest[i] = lasting.largest;
+                trigger.raise_since(lasting.since, at)
+            }
+            // Not evidence of a fault yet, nor of a healthy reading.
+            None if persistence.is_open() => Verdict::Unknown,
+            None => Verdict::Healthy,
+        };
+    }
+
+    /// Whether a residual has exceeded its threshold, and may yet be wild.
+    #[inline(always)]
+    pub const fn is_exceeded(&self) -> bool {
+        self.is_exceeded
+    }
+
+    /// R1 or R2 of the cycle before, m, where `residual`, m, exceeds the threshold for the first time, and is no fault yet.
+    pub fn former_of_new(&self, i: usize, residual: f64) -> Option<f64> {
+        let is_new = self.triggers[i].raised().is_none() && !self.persistence[i].is_immediate();
+        (is_new && residual.abs() > self.calm[i]).then_some(self.newest[i])
+    }
+
+    /// Whether the residual of an observer exceeded its threshold for the first time in the newest cycle, and may be wild.
+    pub fn may_be_wild(&self, i: usize) -> bool {
+        self.persistence[i].has_begun()
+    }
+
+    /// Whether `residual`, m, of an observer is still where the first one beyond the threshold was.
+    pub fn stays(&self, i: usize, residual: f64) -> bool {
+        self.persistence[i].stays(residual)
+    }
+
+    /// Whether the residual of an observer has exceeded its threshold, and may yet be wild.
+    pub const fn is_open(&self, i: usize) -> bool {
+        self.persistence[i].is_open()
     }
 
     /// The observer, 0 or 1, that alone exceeds the threshold of joint evidence while C1 − C2 has moved with it.
@@ -209,9 +283,11 @@ impl Bank {
         for (i, lost) in [lost[0], lost[1], true].into_iter().enumerate() {
             if lost {
                 self.triggers[i].interrupt();
+                self.persistence[i].dismiss();
                 self.verdicts[i] = Verdict::Unknown;
             }
         }
+        self.is_exceeded = self.persistence.iter().any(Persistence::is_open);
         for (observed, _) in self.observed.iter_mut().zip(lost).filter(|(_, lost)| *lost) {
             observed.clear();
         }
@@ -268,7 +344,8 @@ impl Bank {
                     self.found[i] = None;
                 }
             }
-            let age = self.found[i].map_or(0, |found| found.age.saturating_add(1));
+            let found = self.found[i].map(|found| found.age.saturating_add(1));
+            let age = found.unwrap_or(self.persistence[i].waited());
             let fault = match self.found[i] {
                 Some(found) if !self.cycles.looks.contains(&age) => found.fault,
                 _ => self.classify(i),

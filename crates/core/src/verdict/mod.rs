@@ -5,6 +5,7 @@ pub mod fault;
 pub mod history;
 pub mod jump;
 pub mod parameters;
+mod persistence;
 pub mod suspect;
 pub mod trigger;
 mod unaligned;

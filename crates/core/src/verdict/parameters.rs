@@ -36,6 +36,12 @@ pub struct VerdictParameters {
     pub joint_quiet: f64,
     /// And C1 − C2, and its change, to be at least this part of it; 0.5 to 0.9.
     pub joint_moved: f64,
+    /// A residual is a fault by a threshold after so many samples beyond it, 1 to 5: where one sample in a hundred is wild,
+    /// three follow each other hardly once an hour on a machine, and two every minute.
+    pub lasting: u32,
+    /// Those after the first need at least this part of it, in its direction; 0.3 to 0.7. An observer of Table 4-1 has
+    /// followed a third of a step by then.
+    pub stays: f64,
     /// So many of 64 innovations of the last transducer of a cylinder beyond its limit are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
     /// sample has three: where one in a hundred is wild, as many meet about once in a thousand hours.
     pub last_noise: u32,
@@ -57,9 +63,16 @@ impl VerdictParameters {
         ramp_advantage: 1.02,
         joint_quiet: 0.25,
         joint_moved: 0.75,
+        lasting: 3,
+        stays: 0.5,
         last_noise: 22,
         confirmed: 0.3,
     };
+
+    /// [`Self::lasting`] of a cylinder that `has_sequential` detector; without one a threshold counts at once.
+    pub const fn lasting_beside(&self, has_sequential: bool) -> u32 {
+        if has_sequential { self.lasting } else { 1 }
+    }
 
     /// The counts for a machine with this `sample_time`, s. Above 100 Hz the rings are too short, and the
     /// windows as long as these.

@@ -77,6 +77,13 @@ impl Trigger {
         Verdict::Faulty
     }
 
+    /// Raises it at `at` by what has been there `since`.
+    pub fn raise_since(&mut self, since: Timestamp, at: Timestamp) -> Verdict {
+        self.interrupt();
+        self.raised = Some(Raise { at: since, last_exceeded: at });
+        Verdict::Faulty
+    }
+
     /// Takes back what was raised, because it is explained.
     pub fn withdraw(&mut self) {
         self.raised = None;

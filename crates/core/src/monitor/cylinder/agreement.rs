@@ -50,16 +50,26 @@ pub struct Readings {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Agreement {
     raised: [bool; 2],
+    /// Whether R1 and R2 agreed while the one exceeded its threshold, before it was a fault.
+    begun: [bool; 2],
+    /// The same where C1 and C2 had parted already.
+    alike: [bool; 2],
     process: [bool; 2],
     /// Whether R1 and R2 agreed when C1 and C2 had parted already.
     shared: [bool; 2],
 }
 
-whole! { Agreement { raised, process, shared } }
+whole! { Agreement { raised, begun, alike, process, shared } }
 
 impl Agreement {
-    /// Takes a cycle: whether FDE1 and FDE2 are raised, R1 and R2, m, and what is known of C1 and C2.
-    pub fn judge(&mut self, raised: [bool; 2], residuals: [Option<f64>; 2], readings: Readings) {
+    /// Takes a cycle: whether FDE1 and FDE2 are raised or have just exceeded their thresholds, R1 and R2, m, and what is known
+    /// of C1 and C2.
+    pub fn judge(
+        &mut self,
+        [raised, exceeded]: [[bool; 2]; 2],
+        residuals: [Option<f64>; 2],
+        readings: Readings,
+    ) {
         let Readings { apart, contradicted, parted } = readings;
         for i in 0..2 {
             let both = residuals[i].zip(residuals[1 - i]);
@@ -69,11 +79,15 @@ impl Agreement {
                     apart < PART * own.abs() && sees(own, other, SHARED)
                 })
             };
+            let begins = !raised[i] && exceeded[i];
+            let begun = begins && (self.begun[i] || agree());
+            let alike = begins && (self.alike[i] || parted && shared());
             (self.shared[i], self.process[i]) = match (self.raised[i], raised[i]) {
                 (_, false) => (false, false),
-                (false, true) => (parted && shared(), agree()),
+                (false, true) => (self.alike[i] || parted && shared(), self.begun[i] || agree()),
                 (true, true) => (self.shared[i], self.process[i] && !contradicted),
             };
+            (self.begun[i], self.alike[i]) = (begun, alike);
         }
         self.raised = raised;
     }
@@ -103,13 +117,32 @@ mod tests {
     fn what_both_readings_share_is_the_process_until_they_part() {
         let mut agreement = Agreement::default();
         let r = [Some(1.1e-3), Some(0.9e-3)];
-        agreement.judge([true, false], r, apart(Some(2e-4)));
+        agreement.judge([[true, false], [false; 2]], r, apart(Some(2e-4)));
         assert!(agreement.is_process(0) && !agreement.is_process(1));
         // Not known any more, and then contradicted.
-        agreement.judge([true, false], r, apart(None));
+        agreement.judge([[true, false], [false; 2]], r, apart(None));
         assert!(agreement.is_process(0));
-        agreement.judge([true, false], r, Readings { contradicted: true, ..apart(None) });
+        agreement.judge(
+            [[true, false], [false; 2]],
+            r,
+            Readings { contradicted: true, ..apart(None) },
+        );
         assert!(!agreement.is_process(0));
+    }
+
+    /// The load doubles: R1 exceeds its threshold, and three samples later, when that is a fault, R2 sees less of it.
+    #[test]
+    fn what_both_shared_when_one_exceeded_its_threshold_is_the_process() {
+        let both = [Some(1.6e-3), Some(1.1e-3)];
+        let later = [Some(1.2e-3), Some(0.2e-3)];
+        let process = |at_first: [Option<f64>; 2]| {
+            let mut agreement = Agreement::default();
+            agreement.judge([[false; 2], [true, false]], at_first, apart(Some(1e-4)));
+            agreement.judge([[true, false], [false; 2]], later, apart(Some(1e-4)));
+            agreement.is_process(0)
+        };
+        assert!(process(both));
+        assert!(!process(later));
     }
 
     #[test]
@@ -128,7 +161,7 @@ mod tests {
     fn what_only_one_observer_sees_is_not_the_process() {
         for other in [Some(4e-4), Some(-4e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([true, false], [Some(-2e-3), other], apart(Some(9.8e-4)));
+            agreement.judge([[true, false], [false; 2]], [Some(-2e-3), other], apart(Some(9.8e-4)));
             assert!(!agreement.is_process(0), "{other:?}");
         }
     }
@@ -137,10 +170,18 @@ mod tests {
     fn a_reading_that_left_the_other_one_is_not_the_process() {
         for difference in [Some(1.1e-3), Some(6e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([true, true], [Some(-1.1e-3), Some(1e-3)], apart(difference));
+            agreement.judge(
+                [[true, true], [false; 2]],
+                [Some(-1.1e-3), Some(1e-3)],
+                apart(difference),
+            );
             assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
             // It was raised then; what comes later is what the observer made of it.
-            agreement.judge([true, true], [Some(2e-3), Some(2e-3)], apart(Some(1e-4)));
+            agreement.judge(
+                [[true, true], [false; 2]],
+                [Some(2e-3), Some(2e-3)],
+                apart(Some(1e-4)),
+            );
             assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
         }
     }
@@ -154,7 +195,8 @@ mod tests {
                 let mut residuals = [Some(sign * own); 2];
                 residuals[1 - i] = Some(sign * other);
                 let readings = Readings { apart: None, contradicted: parted, parted };
-                agreement.judge([0, 1].map(|k| raised && k == i), residuals, readings);
+                let raised = [0, 1].map(|k| raised && k == i);
+                agreement.judge([raised, [false; 2]], residuals, readings);
                 assert!(!agreement.is_shared(1 - i));
                 agreement.is_shared(i)
             };

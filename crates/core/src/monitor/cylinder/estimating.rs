@@ -46,7 +46,10 @@ impl Cylinder {
     ) {
         let found = if self.finds_anything() { self.findings() } else { Default::default() };
         let blames = |suspect| found.iter().flatten().any(|it: &Finding| it.suspect == suspect);
-        let trusted = [!blames(Suspect::C1), !blames(Suspect::C2)];
+        let unblamed = [!blames(Suspect::C1), !blames(Suspect::C2)];
+        // A reading that may be wild is not used until it is known, where another one is.
+        let sound = [0, 1].map(|i| unblamed[i] && !self.bank.is_open(i));
+        let trusted = [0, 1].map(|i| unblamed[i] && (sound[i] || !sound[1 - i]));
         let high = self.design.bank.observer.high;
         let is_beyond = |innovation: f64| innovation.abs() > high;
         let live = self.command_missing < self.design.command_stale;
@@ -57,13 +60,14 @@ impl Cylinder {
             command: self.inputs.command_value(),
             follows: now.gate == Opening::Open && live,
             trusted,
-            // Whoever is blamed is what the two differ by.
-            undecided: blames(Suspect::Undecided) && trusted == [true; 2],
+            // Whoever is blamed is what the two differ by; and nobody is yet where they may differ by a wild reading.
+            undecided: (blames(Suspect::Undecided) || self.bank.is_open(2))
+                && unblamed == [true; 2],
             resolved: is_resolved(&found),
             process: blames(Suspect::Process),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
             beyond: [0, 1].map(|i| residuals.r[i].is_some_and(is_beyond)),
-            doubted: self.is_last_doubted(&found, trusted),
+            doubted: self.is_last_doubted(&found, unblamed),
         };
         self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
     }

@@ -17,15 +17,19 @@ impl Cylinder {
     pub(super) fn judge(
         &mut self,
         now: Evaluation,
-        innovations: [Option<Innovation>; 2],
+        mut innovations: [Option<Innovation>; 2],
+        good: [Option<Measurement>; 2],
         difference: Option<f64>,
-    ) -> Residuals {
+    ) -> ([Option<Innovation>; 2], Residuals) {
         // Without a command the model predicts nothing, so its residual is no evidence.
         // Nor does it for a valve that does not work.
         let open = now.gate == Opening::Open
             && self.command_missing < self.design.command_stale
             && !self.command_silent
             && !self.has_idle_valve();
+        if self.bank.is_exceeded() {
+            innovations = self.without_wild(now.cycle, innovations, good);
+        }
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
         self.judged = judged.map(|residual| residual.is_some());
@@ -40,10 +44,25 @@ impl Cylinder {
             self.keep_lonely(&mut residuals, judged);
         }
         if !self.bank.take_calm(&residuals) {
-            let jump = self.sequential.as_deref().and_then(Sequential::jump);
-            self.bank.judge(now.at, &residuals, self.length, jump);
+            (innovations, residuals) = self.judge_exceeded(now, innovations, residuals, good);
         }
-        residuals
+        (innovations, residuals)
+    }
+
+    /// Judges residuals of which one exceeds its threshold, or did so lately.
+    #[inline(never)]
+    fn judge_exceeded(
+        &mut self,
+        now: Evaluation,
+        mut innovations: [Option<Innovation>; 2],
+        mut residuals: Residuals,
+        good: [Option<Measurement>; 2],
+    ) -> ([Option<Innovation>; 2], Residuals) {
+        let aside = self.set_former_aside(now.cycle, &mut residuals, &mut innovations, good);
+        let jump = self.sequential.as_deref().and_then(Sequential::jump);
+        self.bank.judge(now.at, &residuals, aside, self.length, jump);
+        self.keep_uncorrected(&innovations, good);
+        (innovations, residuals)
     }
 
     /// After a command that the thresholds were not made for, only what one observer alone sees is a fault. One that
@@ -120,8 +139,12 @@ impl Cylinder {
     }
 
     #[inline(never)]
-    pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
+    pub(super) fn judge_process(&mut self, now: Evaluation, mut good: [Option<Measurement>; 2]) {
         let (held, asked) = self.doubts();
+        // A spike of 4 mm is a way that no oil explains.
+        for (i, reading) in good.iter_mut().enumerate().filter(|_| self.bank.is_exceeded()) {
+            *reading = reading.filter(|_| !self.bank.is_open(i));
+        }
         let is_lost = TRANSDUCERS.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
         let is_gain = asked && self.sequential.as_deref().is_some_and(Sequential::is_gain);
         let Some(process) = &mut self.process else { return };
@@ -177,7 +200,7 @@ impl Cylinder {
         let [fde1, fde2, _] = self.bank.verdicts();
         let [r1, r2, _] = residuals.r;
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
-        if raised == [false; 2] {
+        if raised == [false; 2] && !self.bank.is_exceeded() {
             // Nearly always: nobody disagrees.
             self.agreement = Agreement::default();
         } else {
@@ -186,7 +209,8 @@ impl Cylinder {
                 contradicted: sequential.alarm().is_some(),
                 parted: sequential.is_displaced(),
             };
-            self.agreement.judge(raised, [r1, r2], readings);
+            let exceeded = [0, 1].map(|i| self.bank.is_open(i));
+            self.agreement.judge([raised, exceeded], [r1, r2], readings);
         }
     }
 }

@@ -54,6 +54,7 @@ impl Cylinder {
 
     /// Restarts what needs both transducers, or the command.
     fn interrupt_joint(&mut self) {
+        self.uncorrected = [None; 2];
         if let Some(sequential) = &mut self.sequential {
             sequential.interrupt();
         }

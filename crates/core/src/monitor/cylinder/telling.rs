@@ -27,7 +27,12 @@ impl Cylinder {
 
     #[cold]
     pub(super) fn note_quantities(&mut self, residuals: &Residuals) {
-        let [r1, r2, r3] = residuals.r;
+        let mut shown = residuals.r;
+        // What raised an FDE in this cycle may have been larger a sample before.
+        for (shown, found) in shown.iter_mut().zip(self.bank.detections()) {
+            *shown = shown.map(|it| found.map_or(it, |found| found.residual));
+        }
+        let [r1, r2, r3] = shown;
         self.quantities = [r1, r2, r3, self.was_critical.then_some(self.apart)];
     }
 

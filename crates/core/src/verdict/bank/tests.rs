@@ -20,6 +20,7 @@ fn bank_with(high: f64, joint: f64) -> Bank {
         observer: thresholds(high),
         joint,
         difference: thresholds(1.5e-3),
+        lasting: VerdictParameters::DEFAULT.lasting,
         calibrated: true,
         coincidence: Span::from_seconds(0.2),
         signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
@@ -31,7 +32,7 @@ fn bank_with(high: f64, joint: f64) -> Bank {
 fn run(bank: &mut Bank, cycles: std::ops::Range<i64>, r: [f64; 3]) -> Option<Suspect> {
     for cycle in cycles {
         let at = Timestamp::from_nanos(cycle * 20_000_000);
-        bank.judge(at, &Residuals { r: r.map(Some) }, Some(0.0), None);
+        bank.judge(at, &Residuals { r: r.map(Some) }, [None; 2], Some(0.0), None);
     }
     bank.detections()[FDE3].map(|detection| detection.suspect)
 }
@@ -49,7 +50,11 @@ fn one_observer_and_the_difference_find_together_what_neither_does_alone() {
     ] {
         let mut bank = bank_with(4e-3, 1e-3);
         let residuals = Residuals { r: r.map(Some) };
-        bank.judge(Timestamp::from_nanos(0), &residuals, Some(0.0), Some(jump));
+        for cycle in -2..1 {
+            assert_eq!(bank.detections(), [None; 3], "it has to last");
+            let at = Timestamp::from_nanos(cycle * 20_000_000);
+            bank.judge(at, &residuals, [None; 2], Some(0.0), Some(jump));
+        }
         let found: Vec<_> = bank.detections().into_iter().flatten().collect();
         let [Some(r1), Some(r2), _] = residuals.r else { unreachable!("they are known") };
         match suspect {
@@ -64,17 +69,22 @@ fn one_observer_and_the_difference_find_together_what_neither_does_alone() {
         for cycle in 1..60 {
             let at = Timestamp::from_nanos(cycle * 20_000_000);
             let quiet = Residuals { r: [Some(0.1e-3), Some(0.1e-3), Some(1.2e-3)] };
-            bank.judge(at, &quiet, Some(0.0), Some(Jump { apart: 1.2e-3, change: 0.0 }));
+            bank.judge(at, &quiet, [None; 2], Some(0.0), Some(Jump { apart: 1.2e-3, change: 0.0 }));
         }
         assert_eq!(bank.detections(), [None; 3]);
     }
 }
 
-/// Threshold that C1's residual `own`, m, is reported with, where C1 − C2 is as large and has moved by `change`.
+/// Threshold that C1's residual `own`, m, is reported with after a sample or three, where C1 − C2 is as large and has moved by
+/// `change`.
 fn threshold_of_c1(bank: &mut Bank, cycle: i64, own: f64, change: f64) -> Option<f64> {
     let residuals = Residuals { r: [own, 0.1e-3, own].map(Some) };
     let jump = Some(Jump { apart: own, change });
-    bank.judge(Timestamp::from_nanos(cycle * 20_000_000), &residuals, Some(0.0), jump);
+    let samples = if bank.any_found() { 1 } else { 3 };
+    for sample in 0..samples {
+        let at = Timestamp::from_nanos((3 * cycle + sample) * 20_000_000);
+        bank.judge(at, &residuals, [None; 2], Some(0.0), jump);
+    }
     bank.detections()[0].map(|it| it.threshold)
 }
 
@@ -101,10 +111,27 @@ fn the_next_fault_is_not_reported_with_the_threshold_of_joint_evidence() {
 #[test]
 fn the_side_of_a_difference_does_not_outlast_a_lost_bus() {
     let mut bank = bank();
-    assert_eq!(run(&mut bank, 0..1, [3e-3, 0.0, 3e-3]), Some(Suspect::C1));
-    assert_eq!(run(&mut bank, 1..100, [0.0, 0.0, 3e-3]), Some(Suspect::C1));
+    assert_eq!(run(&mut bank, 0..3, [3e-3, 0.0, 3e-3]), Some(Suspect::C1));
+    assert_eq!(run(&mut bank, 3..100, [0.0, 0.0, 3e-3]), Some(Suspect::C1));
     bank.interrupt();
     assert_eq!(run(&mut bank, 500..600, [0.0, 0.0, 3e-3]), Some(Suspect::Undecided));
+}
+
+#[test]
+fn a_spike_is_neither_a_fault_nor_healthy_and_the_difference_has_to_last_too() {
+    let mut bank = bank();
+    for cycle in 0..40 {
+        let wild = if cycle % 8 < 2 { 40e-3 } else { 0.1e-3 };
+        assert_eq!(run(&mut bank, cycle..cycle + 1, [wild, 0.0, wild]), None, "{cycle}");
+        let (own, other) = if cycle % 8 < 2 {
+            (Verdict::Unknown, Verdict::Unknown)
+        } else {
+            (Verdict::Healthy, Verdict::Healthy)
+        };
+        assert_eq!(bank.verdicts(), [own, Verdict::Healthy, other], "{cycle}");
+    }
+    assert_eq!(run(&mut bank, 42..45, [2e-3, 0.0, 2e-3]), Some(Suspect::C1));
+    assert_eq!(bank.verdicts(), [Verdict::Faulty, Verdict::Healthy, Verdict::Faulty]);
 }
 
 /// Residuals of a long time, calm and not, with cycles in which some are absent or no number.
@@ -122,21 +149,25 @@ fn a_calm_cycle_is_judged_as_any_other() {
             let size = match cycle / 500 % 2 {
                 0 => 0.2,
                 _ if draw() < 0.01 => 3.0,
+                // Now and then it lasts.
+                _ if cycle % 100 < 10 => 1.6,
                 _ => 0.9,
             };
+            let is_up = size == 1.6;
             let mut one = |high: f64| match draw() {
                 it if it < 0.02 => None,
                 it if it < 0.03 => Some(f64::NAN),
+                _ if is_up => Some((1.0 + draw()) * 0.5 * size * high),
                 _ => Some((2.0 * draw() - 1.0) * size * high),
             };
             let residuals = Residuals { r: [one(4e-3), one(4e-3), one(1.5e-3)] };
             let jump = residuals.r[2].map(|apart| Jump { apart, change: apart });
             let at = Timestamp::from_nanos(cycle * 20_000_000);
-            asked.judge(at, &residuals, Some(0.0), jump);
+            asked.judge(at, &residuals, [None; 2], Some(0.0), jump);
             if quick.take_calm(&residuals) {
                 calm += 1;
             } else {
-                quick.judge(at, &residuals, Some(0.0), jump);
+                quick.judge(at, &residuals, [None; 2], Some(0.0), jump);
             }
             if cycle % 5_000 == 4_999 {
                 asked.interrupt();
