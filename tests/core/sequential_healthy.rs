@@ -3,10 +3,11 @@
 use crate::sequential_support::{Bench, Heard, Setup, fine, one_each, setup};
 use tertius::alarm::{Detector, State as Said, Warning};
 use tertius::controller::State;
+use tertius::estimate::Estimate;
 use tertius::frame::Frame;
-use tertius::monitor::Notice;
+use tertius::monitor::{self, Monitor, MonitorDesign, Notice, Sink};
 use tertius::simulator::{EPOCH, Tables};
-use tertius::time::Span;
+use tertius::time::{Span, Timestamp};
 use tertius::verdict::{Suspect, Verdict};
 
 /// As `tune` writes it from half an hour of a good machine, nats.
@@ -85,6 +86,43 @@ fn wild_samples_raise_no_threshold_and_hide_no_step() {
         assert!((0.0..0.1).contains(&delay), "{counts} counts: after {delay} s");
         assert_eq!(first.finding.suspect, Suspect::C2, "{counts} counts");
     }
+}
+
+/// Valid estimates, m, by the cylinder and the time of their cycle.
+#[derive(Default)]
+struct ValidEstimates(Vec<(u8, Timestamp, f64)>);
+
+impl Sink for ValidEstimates {
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        let valid = estimate.filter(|estimate| estimate.valid);
+        self.0.extend(valid.map(|estimate| (cylinder, at, estimate.position)));
+    }
+}
+
+/// A spike of 4.3 mm on one of two readings would move their mean by half of it, a hundred times in each ten thousand.
+#[test]
+fn a_wild_reading_moves_no_estimate() {
+    let setup = setup().with(spiky([0.005; 2], 40.0));
+    let mut simulator = setup.simulator(&setup.options(3, &[]));
+    let (mut seen, mut off) = (0, Vec::new());
+    let design = MonitorDesign { estimates: monitor::Estimates::Told, ..setup.design() };
+    let mut monitor = Monitor::new(design);
+    for _ in 0..6_000 {
+        let truth: [f64; 6] = std::array::from_fn(|leg| simulator.machine().calibrated(leg));
+        let opening = simulator.opening();
+        let mut estimates = ValidEstimates::default();
+        simulator.step(&mut |frame| monitor.take(frame, &mut estimates));
+        for (cylinder, at, length) in estimates.0 {
+            if at.since(opening).as_seconds().abs() < 0.01 {
+                seen += 1;
+                let error = length - truth[usize::from(cylinder) - 1];
+                off.extend((error.abs() > 1e-3).then_some((cylinder, at, error)));
+            }
+        }
+    }
+    assert!(seen > 30_000, "{seen}");
+    // Where both are wild at once, nothing tells.
+    assert!(off.len() <= 10, "{} of {seen}: {:?}", off.len(), &off[..off.len().min(5)]);
 }
 
 /// Twenty calm minutes say nothing of spikes to come, and a level by them alone is one that four of these

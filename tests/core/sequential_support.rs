@@ -12,7 +12,7 @@ use tertius::controller::State;
 use tertius::dbc::{Database, text};
 use tertius::frame::Frame;
 use tertius::inject::{Fault, place};
-use tertius::monitor::{Monitor, Notice, Sink};
+use tertius::monitor::{Monitor, MonitorDesign, Notice, Sink};
 use tertius::sequential::Dwell;
 pub use tertius::simulator::EPOCH;
 use tertius::simulator::{Options, Simulator, Tables};
@@ -163,8 +163,12 @@ impl Setup {
         Options { seed, faults: placed.collect(), ..Options::default() }
     }
 
+    pub fn design(&self) -> MonitorDesign {
+        design::judging(&self.settings, &self.database).expect("they fit")
+    }
+
     pub fn monitor(&self) -> Monitor {
-        Monitor::new(design::judging(&self.settings, &self.database).expect("they fit"))
+        Monitor::new(self.design())
     }
 }
 

@@ -87,8 +87,6 @@ pub struct Cylinder {
     commands: CommandWatch,
     /// Observers as if the newest readings had not corrected them, which may be wild.
     uncorrected: [Option<Uncorrected>; 2],
-    /// Cycle in which an observer last went on without a wild reading.
-    resumed: [Option<u64>; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
     /// `None` without tables of spool or pressures.
@@ -139,7 +137,6 @@ impl Cylinder {
             observers: design.observers.clone().map(Observer::new),
             commands: CommandWatch::new(design.commands, design.observers[0].settle),
             uncorrected: [None; 2],
-            resumed: [None; 2],
             bank: Bank::new(&design.judging_bank()),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),

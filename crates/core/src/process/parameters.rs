@@ -77,8 +77,8 @@ pub struct ProcessParameters {
     pub friction_settling: f64,
     /// v₀: speed at which Coulomb's friction has its full size, m/s.
     pub friction_speed: f64,
-    /// No block is evidence of friction beyond so many bar and so many times the deviation that was learnt (the root of Ω's
-    /// first place), whichever is more: a load that changes suddenly, as where people walk over the gangway, leaves ten bar
+    /// The most friction that a block is evidence of, bar, and in deviations that were learnt (the root of Ω's first place),
+    /// whichever is more: a load that changes suddenly, as where people walk over the gangway, leaves ten bar
     /// for some seconds.
     pub friction_farthest: [f64; 2],
     /// Coulomb friction beyond that learnt that is no fault, bar, …

@@ -181,6 +181,23 @@ mod tests {
         }
     }
 
+    /// From end to end in each cycle, as a rod whose seals stick and slip may be commanded to within some.
+    #[test]
+    fn the_faster_a_prediction_swings_the_less_it_is_known() {
+        let mut spool = spool();
+        let stands: Vec<Stand> = (0..600)
+            .map(|k| [-1.0, -0.9][k / (if k < 300 { 300 } else { 1 }) % 2])
+            .map(|command| spool.step(Some(command), Some(0.0)).expect("both have come"))
+            .collect();
+        let bend = ProcessParameters::DEFAULT.spool_bend / (0.02 * 0.02);
+        for three in stands.windows(3) {
+            let [earlier, former, now] = [three[0], three[1], three[2]];
+            let bent = bend * (now.expected - 2.0 * former.expected + earlier.expected);
+            assert!((now.variance - 0.01 - bent * bent).abs() < 1e-9, "{now:?}");
+        }
+        assert!((stands[299].variance - 0.01).abs() < 1e-9 && stands[599].variance > 0.02);
+    }
+
     #[test]
     fn commands_that_were_taught_leave_no_doubt_and_those_beyond_all_are_not_judged() {
         let stand = after(-1.0, -21.0);

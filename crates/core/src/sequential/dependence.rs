@@ -7,8 +7,9 @@
 //!
 //! Where readings are sometimes off for a fraction of a second, two or three such stretches may follow each other and fill
 //! a window that one alone does not. The wider windows are therefore composed from the frequencies seen in windows as long
-//! as one stretch. And one of C1 may coincide with an opposite one of C2: C1 − C2 is then off by twice as much, some times
-//! an hour on a machine, and hardly ever in the quarter of an hour that teaches.
+//! as one stretch. And one of C1 may coincide with an opposite one of C2: C1 − C2 is then off by twice as much, a few
+//! times an hour on a machine, and hardly ever in the quarter of an hour that teaches. Without this, coarse transducers that
+//! fluctuate had a false alarm every two hours.
 
 use super::parameters::{DependenceParameters, EvidenceParameters};
 use super::rate::{Magnitudes, Of, Rate};
@@ -135,7 +136,7 @@ impl Composed {
         if most >= level {
             return (evidence(self.at(level / parts)) / level).max(1.0);
         }
-        // All of it may be so many stretches, and others may coincide with them; but none is larger.
+        // Stretches may fill the window, and others may coincide with them; but none is larger than the largest seen.
         let least = evidence(self.largest) / most;
         let both = if 2.0 * most < level {
             evidence(2.0 * self.largest) / (2.0 * most)
@@ -145,7 +146,7 @@ impl Composed {
         least.max(both).max(1.0)
     }
 
-    /// The value as rare as so many `nats`, at most those of the largest, m.
+    /// The value with a rarity of `nats`, m, at most the largest.
     fn at(&self, nats: f64) -> f64 {
         let (mut low, mut high) = (0.0, self.largest);
         for _ in 0..40 {
@@ -308,6 +309,30 @@ mod tests {
         }
         let [mean, _] = scales.peaks(&history, 1024);
         assert!(mean.nats > Outliers::USUAL.least_level(), "{mean:?}");
+    }
+
+    /// A hundred of ten thousand windows are 1 m off, nearly nothing the others.
+    fn stretches() -> Magnitudes {
+        let mut windows = Magnitudes::new(1e-3);
+        (0..10_000).for_each(|k| windows.add(if k % 100 == 0 { 1.0 } else { 1e-3 }));
+        windows
+    }
+
+    /// C1 up and C2 down at once: twice as far off and as rare as both, which nobody has seen yet.
+    #[test]
+    fn two_stretches_that_coincide_are_as_rare_as_both() {
+        let (windows, evidence) = (stretches(), |x: f64| 9.0 * x * x);
+        let rarity = 100_f64.ln();
+        assert!((by_bulk(&windows, 1, &evidence) - 9.0 / rarity).abs() < 0.01);
+        assert!((coinciding(&windows, 1, evidence) - 36.0 / (2.0 * rarity)).abs() < 0.02);
+        let composed = Composed::of(&windows, Of::Mean, 5).expect("there are some");
+        let most = 1.5 * composed.rate.at(composed.largest);
+        // Half as long again as one of them: at a high level all that two of them show, at a low one a part of that.
+        let [high, low] =
+            [3.0 * most, 1.5 * most].map(|level| composed.outgrown(level, 6, evidence));
+        assert!((high - evidence(2.0 * composed.largest) / (2.0 * most)).abs() < 1e-9, "{high}");
+        let of_one = evidence(composed.largest) / most;
+        assert!(of_one < low && low < evidence(2.0 * composed.largest) / (1.5 * most), "{low}");
     }
 
     #[test]

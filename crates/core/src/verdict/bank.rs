@@ -53,7 +53,8 @@ pub struct Detection {
     pub threshold: f64,
 }
 
-const FDE3: usize = 2;
+/// Place of FDE3 among the three.
+pub const FDE3: usize = 2;
 
 /// FDE1, FDE2 and FDE3 of one cylinder.
 #[derive(Clone, Debug)]
@@ -230,7 +231,6 @@ impl Bank {
     }
 
     /// Whether a residual has exceeded its threshold, and may yet be wild.
-    #[inline(always)]
     pub const fn is_exceeded(&self) -> bool {
         self.is_exceeded
     }

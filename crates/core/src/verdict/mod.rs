@@ -11,7 +11,7 @@ pub mod trigger;
 mod unaligned;
 
 use crate::state::choice;
-pub use bank::{Bank, BankDesign, Residuals};
+pub use bank::{Bank, BankDesign, FDE3, Residuals};
 pub use fault::Fault;
 pub use jump::Jump;
 pub use parameters::VerdictParameters;

@@ -36,12 +36,14 @@ pub struct VerdictParameters {
     pub joint_quiet: f64,
     /// And C1 − C2, and its change, to be at least this part of it; 0.5 to 0.9.
     pub joint_moved: f64,
-    /// A residual is a fault by a threshold after so many samples beyond it, 1 to 5: where one sample in a hundred is wild,
-    /// three follow each other hardly once an hour on a machine, and two every minute.
+    /// Samples for which a residual has to stay beyond its threshold to be a fault, 1 to 5. Where one sample in a hundred is
+    /// wild, three follow each other hardly once an hour on a machine, and two every minute.
     pub lasting: u32,
     /// Those after the first need at least this part of it, in its direction; 0.3 to 0.7. An observer of Table 4-1 has
     /// followed a third of a step by then.
     pub stays: f64,
+    /// Part of a residual from which the other observer sees it, too, and the model errs; 0.3 to 0.7.
+    pub shared: f64,
     /// So many of 64 innovations of the last transducer of a cylinder beyond its limit are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
     /// sample has three: where one in a hundred is wild, as many meet about once in a thousand hours.
     pub last_noise: u32,
@@ -65,6 +67,7 @@ impl VerdictParameters {
         joint_moved: 0.75,
         lasting: 3,
         stays: 0.5,
+        shared: 0.5,
         last_noise: 22,
         confirmed: 0.3,
     };

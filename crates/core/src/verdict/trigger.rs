@@ -77,7 +77,7 @@ impl Trigger {
         Verdict::Faulty
     }
 
-    /// Raises it at `at` by what has been there `since`.
+    /// Raises it at `at` by a residual that has been beyond it `since`.
     pub fn raise_since(&mut self, since: Timestamp, at: Timestamp) -> Verdict {
         self.interrupt();
         self.raised = Some(Raise { at: since, last_exceeded: at });

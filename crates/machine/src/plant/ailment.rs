@@ -108,6 +108,7 @@ impl Wear {
         let beyond = (moved.abs() - self.dead_band).max(0.0);
         let edge = overlap * (1.0 + self.overlap);
         let size = match self.overlap {
+            // To the last bit what it was before an overlap could wander.
             0.0 => beyond,
             _ if beyond < edge => beyond / edge * overlap,
             _ => beyond - edge + overlap,

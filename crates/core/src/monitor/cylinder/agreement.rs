@@ -11,9 +11,10 @@
 //! own.
 
 use crate::state::whole;
+use crate::verdict::VerdictParameters;
 
 /// Part of the innovation below which C1 − C2 does not show it.
-const PART: f64 = 0.5;
+const PART: f64 = VerdictParameters::DEFAULT.shared;
 
 /// Part of the innovation from which the other observer also sees it. Readings have noise of their
 /// own, and the innovation that first exceeds its threshold is larger than the other.
@@ -50,23 +51,20 @@ pub struct Readings {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Agreement {
     raised: [bool; 2],
-    /// Whether R1 and R2 agreed while the one exceeded its threshold, before it was a fault.
-    begun: [bool; 2],
-    /// The same where C1 and C2 had parted already.
-    alike: [bool; 2],
     process: [bool; 2],
     /// Whether R1 and R2 agreed when C1 and C2 had parted already.
     shared: [bool; 2],
 }
 
-whole! { Agreement { raised, begun, alike, process, shared } }
+whole! { Agreement { raised, process, shared } }
 
 impl Agreement {
-    /// Takes a cycle: whether FDE1 and FDE2 are raised or have just exceeded their thresholds, R1 and R2, m, and what is known
-    /// of C1 and C2.
+    /// Takes a cycle: whether FDE1 and FDE2 are raised, or have `exceeded` their thresholds and may yet see a wild reading;
+    /// R1 and R2, m; and what is known of C1 and C2.
     pub fn judge(
         &mut self,
-        [raised, exceeded]: [[bool; 2]; 2],
+        raised: [bool; 2],
+        exceeded: [bool; 2],
         residuals: [Option<f64>; 2],
         readings: Readings,
     ) {
@@ -79,15 +77,12 @@ impl Agreement {
                     apart < PART * own.abs() && sees(own, other, SHARED)
                 })
             };
-            let begins = !raised[i] && exceeded[i];
-            let begun = begins && (self.begun[i] || agree());
-            let alike = begins && (self.alike[i] || parted && shared());
             (self.shared[i], self.process[i]) = match (self.raised[i], raised[i]) {
-                (_, false) => (false, false),
-                (false, true) => (self.alike[i] || parted && shared(), self.begun[i] || agree()),
                 (true, true) => (self.shared[i], self.process[i] && !contradicted),
+                (_, false) if !exceeded[i] => (false, false),
+                // From the first sample on: three later R2 may have come back before R1, as where the load has doubled.
+                _ => (self.shared[i] || parted && shared(), self.process[i] || agree()),
             };
-            (self.begun[i], self.alike[i]) = (begun, alike);
         }
         self.raised = raised;
     }
@@ -117,13 +112,14 @@ mod tests {
     fn what_both_readings_share_is_the_process_until_they_part() {
         let mut agreement = Agreement::default();
         let r = [Some(1.1e-3), Some(0.9e-3)];
-        agreement.judge([[true, false], [false; 2]], r, apart(Some(2e-4)));
+        agreement.judge([true, false], [false; 2], r, apart(Some(2e-4)));
         assert!(agreement.is_process(0) && !agreement.is_process(1));
         // Not known any more, and then contradicted.
-        agreement.judge([[true, false], [false; 2]], r, apart(None));
+        agreement.judge([true, false], [false; 2], r, apart(None));
         assert!(agreement.is_process(0));
         agreement.judge(
-            [[true, false], [false; 2]],
+            [true, false],
+            [false; 2],
             r,
             Readings { contradicted: true, ..apart(None) },
         );
@@ -137,12 +133,18 @@ mod tests {
         let later = [Some(1.2e-3), Some(0.2e-3)];
         let process = |at_first: [Option<f64>; 2]| {
             let mut agreement = Agreement::default();
-            agreement.judge([[false; 2], [true, false]], at_first, apart(Some(1e-4)));
-            agreement.judge([[true, false], [false; 2]], later, apart(Some(1e-4)));
+            agreement.judge([false; 2], [true, false], at_first, apart(Some(1e-4)));
+            agreement.judge([true, false], [false; 2], later, apart(Some(1e-4)));
             agreement.is_process(0)
         };
         assert!(process(both));
         assert!(!process(later));
+        // And the end of a rod's way, where a drifting C1 has driven it, is none of C2's faults.
+        let mut agreement = Agreement::default();
+        let parted = Readings { parted: true, ..apart(None) };
+        agreement.judge([false; 2], [true, false], [Some(1.6e-3), Some(1.5e-3)], parted);
+        agreement.judge([true, false], [false; 2], later, parted);
+        assert!(agreement.is_shared(0));
     }
 
     #[test]
@@ -161,7 +163,7 @@ mod tests {
     fn what_only_one_observer_sees_is_not_the_process() {
         for other in [Some(4e-4), Some(-4e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([[true, false], [false; 2]], [Some(-2e-3), other], apart(Some(9.8e-4)));
+            agreement.judge([true, false], [false; 2], [Some(-2e-3), other], apart(Some(9.8e-4)));
             assert!(!agreement.is_process(0), "{other:?}");
         }
     }
@@ -171,17 +173,14 @@ mod tests {
         for difference in [Some(1.1e-3), Some(6e-4), None] {
             let mut agreement = Agreement::default();
             agreement.judge(
-                [[true, true], [false; 2]],
+                [true, true],
+                [false; 2],
                 [Some(-1.1e-3), Some(1e-3)],
                 apart(difference),
             );
             assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
             // It was raised then; what comes later is what the observer made of it.
-            agreement.judge(
-                [[true, true], [false; 2]],
-                [Some(2e-3), Some(2e-3)],
-                apart(Some(1e-4)),
-            );
+            agreement.judge([true, true], [false; 2], [Some(2e-3), Some(2e-3)], apart(Some(1e-4)));
             assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
         }
     }
@@ -196,7 +195,7 @@ mod tests {
                 residuals[1 - i] = Some(sign * other);
                 let readings = Readings { apart: None, contradicted: parted, parted };
                 let raised = [0, 1].map(|k| raised && k == i);
-                agreement.judge([raised, [false; 2]], residuals, readings);
+                agreement.judge(raised, [false; 2], residuals, readings);
                 assert!(!agreement.is_shared(1 - i));
                 agreement.is_shared(i)
             };

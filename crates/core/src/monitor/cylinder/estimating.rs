@@ -6,7 +6,7 @@ use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::estimate::{Estimate, SensorInput, VirtualSensor};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::Measurement;
-use crate::verdict::{Fault, Residuals, Suspect};
+use crate::verdict::{FDE3, Fault, Residuals, Suspect};
 use alloc::boxed::Box;
 
 impl Cylinder {
@@ -50,6 +50,7 @@ impl Cylinder {
         // A reading that may be wild is not used until it is known, where another one is.
         let sound = [0, 1].map(|i| unblamed[i] && !self.bank.is_open(i));
         let trusted = [0, 1].map(|i| unblamed[i] && (sound[i] || !sound[1 - i]));
+        let is_parted = self.bank.is_open(FDE3) && sound == [true; 2];
         let high = self.design.bank.observer.high;
         let is_beyond = |innovation: f64| innovation.abs() > high;
         let live = self.command_missing < self.design.command_stale;
@@ -60,9 +61,9 @@ impl Cylinder {
             command: self.inputs.command_value(),
             follows: now.gate == Opening::Open && live,
             trusted,
-            // Whoever is blamed is what the two differ by; and nobody is yet where they may differ by a wild reading.
-            undecided: (blames(Suspect::Undecided) || self.bank.is_open(2))
-                && unblamed == [true; 2],
+            // The two differ by the error of one of them: by a blamed one's, or by that of a reading of which neither observer
+            // shows yet whether it is wild, as where a rod moves slowly away from a frozen one.
+            undecided: (blames(Suspect::Undecided) || is_parted) && unblamed == [true; 2],
             resolved: is_resolved(&found),
             process: blames(Suspect::Process),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),

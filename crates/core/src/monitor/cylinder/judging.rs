@@ -12,7 +12,8 @@ use crate::time::Timestamp;
 use crate::verdict::{Residuals, Testimony, Verdict};
 
 impl Cylinder {
-    /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
+    /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate. Returns the residuals, and
+    /// the innovations that they are from: those of a wild reading are replaced.
     #[inline(always)]
     pub(super) fn judge(
         &mut self,
@@ -27,8 +28,9 @@ impl Cylinder {
             && self.command_missing < self.design.command_stale
             && !self.command_silent
             && !self.has_idle_valve();
+        let mut resumed = [false; 2];
         if self.bank.is_exceeded() {
-            innovations = self.without_wild(now.cycle, innovations, good);
+            (innovations, resumed) = self.without_wild(innovations, good);
         }
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
@@ -44,7 +46,8 @@ impl Cylinder {
             self.keep_lonely(&mut residuals, judged);
         }
         if !self.bank.take_calm(&residuals) {
-            (innovations, residuals) = self.judge_exceeded(now, innovations, residuals, good);
+            (innovations, residuals) =
+                self.judge_exceeded(now, (innovations, residuals), good, resumed);
         }
         (innovations, residuals)
     }
@@ -54,11 +57,11 @@ impl Cylinder {
     fn judge_exceeded(
         &mut self,
         now: Evaluation,
-        mut innovations: [Option<Innovation>; 2],
-        mut residuals: Residuals,
+        (mut innovations, mut residuals): ([Option<Innovation>; 2], Residuals),
         good: [Option<Measurement>; 2],
+        resumed: [bool; 2],
     ) -> ([Option<Innovation>; 2], Residuals) {
-        let aside = self.set_former_aside(now.cycle, &mut residuals, &mut innovations, good);
+        let aside = self.set_former_aside(&mut residuals, &mut innovations, good, resumed);
         let jump = self.sequential.as_deref().and_then(Sequential::jump);
         self.bank.judge(now.at, &residuals, aside, self.length, jump);
         self.keep_uncorrected(&innovations, good);
@@ -141,9 +144,9 @@ impl Cylinder {
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, mut good: [Option<Measurement>; 2]) {
         let (held, asked) = self.doubts();
-        // A spike of 4 mm is a way that no oil explains.
-        for (i, reading) in good.iter_mut().enumerate().filter(|_| self.bank.is_exceeded()) {
-            *reading = reading.filter(|_| !self.bank.is_open(i));
+        if self.bank.is_exceeded() {
+            // A spike of 4 mm is a way that no oil explains.
+            good = [0, 1].map(|i| good[i].filter(|_| !self.bank.is_open(i)));
         }
         let is_lost = TRANSDUCERS.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
         let is_gain = asked && self.sequential.as_deref().is_some_and(Sequential::is_gain);
@@ -210,7 +213,7 @@ impl Cylinder {
                 parted: sequential.is_displaced(),
             };
             let exceeded = [0, 1].map(|i| self.bank.is_open(i));
-            self.agreement.judge([raised, exceeded], [r1, r2], readings);
+            self.agreement.judge(raised, exceeded, [r1, r2], readings);
         }
     }
 }

@@ -9,48 +9,47 @@ use crate::observe::observer::{Innovation, Measurement};
 use crate::verdict::Residuals;
 
 impl Cylinder {
-    /// The innovations without the readings before that have turned out to be wild.
+    /// The innovations without the readings before that have turned out to be wild, and which of them are others now.
     #[cold]
     #[inline(never)]
     pub(super) fn without_wild(
         &mut self,
-        cycle: u64,
         mut innovations: [Option<Innovation>; 2],
         good: [Option<Measurement>; 2],
-    ) -> [Option<Innovation>; 2] {
+    ) -> ([Option<Innovation>; 2], [bool; 2]) {
+        let mut resumed = [false; 2];
         for i in 0..2 {
             let Some((copy, reading)) = self.uncorrected[i].zip(good[i]) else { continue };
             if !self.bank.is_open(i) {
                 self.uncorrected[i] = None;
             } else if !self.bank.stays(i, reading.position - copy.length()) {
-                let resumed = self.observers[i].resume(copy, reading);
-                (self.uncorrected[i], self.resumed[i]) = (None, Some(cycle));
+                let own = self.observers[i].resume(copy, reading);
+                (self.uncorrected[i], resumed[i]) = (None, true);
                 if let Some(it) = &mut innovations[i] {
-                    (it.estimate, it.residual) = (resumed.estimate, resumed.residual);
+                    (it.estimate, it.residual) = (own.estimate, own.residual);
                 }
             }
         }
-        innovations
+        (innovations, resumed)
     }
 
     /// Goes on without a reading that was off by less than the threshold, where only what it has left in the observer exceeds
     /// that now. Returns what the copies show, m.
     pub(super) fn set_former_aside(
         &mut self,
-        cycle: u64,
         residuals: &mut Residuals,
         innovations: &mut [Option<Innovation>; 2],
         good: [Option<Measurement>; 2],
+        resumed: [bool; 2],
     ) -> [Option<f64>; 2] {
         core::array::from_fn(|i| {
             let (reading, residual) = good[i].zip(residuals.r[i])?;
             if let Some(copy) = self.uncorrected[i] {
                 return Some(reading.position - copy.length());
             }
-            let is_resumed = self.resumed[i] == Some(cycle);
-            let former = self.bank.former_of_new(i, residual).filter(|_| !is_resumed)?;
+            let former = self.bank.former_of_new(i, residual).filter(|_| !resumed[i])?;
             let (copy, left) = self.observers[i].without_former(former, residual);
-            if left.abs() < 0.5 * residual.abs() {
+            if left.abs() < self.design.bank.parameters.stays * residual.abs() {
                 self.observers[i].take_over(copy);
                 residuals.r[i] = Some(left);
                 let estimate = reading.position - left;

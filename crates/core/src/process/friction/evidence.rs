@@ -24,8 +24,7 @@ const TURN: usize = 4;
 /// wave says more than Ω allows for: with windows from 5 s on, two of 96 healthy hours had a false alarm.
 const BLOCKS: [usize; 5] = [80, 120, 200, 300, 500];
 
-/// Values of a block that are summed: G as far as it is evidence, and the whole of it; and W without what is below its
-/// diagonal.
+/// Values of a block that are summed: G as far as it is evidence, the whole of G, and the upper half of W.
 const SUMMED: usize = 7;
 
 /// Places in the upper half of Ω.
@@ -189,6 +188,11 @@ mod tests {
         assert!((peak.nats / expected - 1.0).abs() < 1e-9, "{peak:?} {expected}");
         let size = windows(1.0, 0.0).size(&by, 300).expect("there are so many");
         assert!((size - 1.0).abs() < 1e-9, "{size}");
+        // Where more is no more evidence, the size is the whole of it.
+        let large = windows(8.0, 0.0);
+        assert!(large.peak(&by).nats < 64.0 * peak.nats);
+        let size = large.size(&by, 300).expect("there are so many");
+        assert!((size - 8.0).abs() < 1e-9, "{size}");
     }
 
     #[test]
