@@ -56,9 +56,13 @@ impl Verdict {
             taught.refused.iter().map(|it| told(it, &taught.names)).collect();
         reasons.extend(taught.left_out.iter().map(LeftOut::to_string));
         let mut advice = Vec::new();
+        let short = taught.told_too_short().filter(|short| match &taught.failed {
+            Some((_, why)) => why == short,
+            None => taught.is_far_too_short(),
+        });
         let unfit = match (&taught.failed, trial) {
-            (Some((_, why)), _) if taught.told_too_short().as_ref() == Some(why) => {
-                reasons.insert(0, why.clone());
+            _ if short.is_some() => {
+                reasons.splice(0..0, short);
                 advice.push(LONGER.to_owned());
                 Some("the recording is too short".to_owned())
             }
@@ -66,11 +70,6 @@ impl Verdict {
                 reasons.insert(0, format!("{stage}: {why}"));
                 advice.push(ADVICE.to_owned());
                 Some(nothing(*stage).to_owned())
-            }
-            (None, None) if taught.told_too_short().is_some() => {
-                reasons.splice(0..0, taught.told_too_short());
-                advice.push(LONGER.to_owned());
-                Some("the recording is too short".to_owned())
             }
             (None, None) => {
                 let (why, what) = untried(rehearsed);

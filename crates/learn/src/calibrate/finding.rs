@@ -7,7 +7,7 @@ use std::fmt;
 /// Judged time from which on a recording can tell a cylinder that is not healthy from tables that too little has taught,
 /// s. Of the built-in machine 3 min have all six cylinders contradicted, 5 min three of them, and 8 min none; a cylinder
 /// with a fault is named from ten minutes on.
-const ENOUGH: f64 = 540.0;
+pub const ENOUGH: f64 = 540.0;
 
 /// Evidence that contradicts the theory of a healthy cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]

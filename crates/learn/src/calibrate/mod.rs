@@ -39,7 +39,7 @@ pub use course::{Calibrated, CalibrationCourse};
 pub use cutting::{Cuts, Cutting};
 pub(crate) use cutting::{are_few, places};
 pub use division::{Division, Halves};
-pub use finding::{Contradiction, too_short};
+pub use finding::{Contradiction, ENOUGH, too_short};
 pub use fitting::{Fitted, Fitting};
 pub use fluctuating::LearntExcursions;
 pub use gathering::Gathering;
