@@ -229,7 +229,7 @@ impl Plausibility {
     /// Whether the other transducer has moved while this one was held, so that the rod does not
     /// stand still.
     pub fn is_witnessed(&self) -> bool {
-        self.held.travelled >= self.limits.travel
+        self.held.witnessed >= self.limits.travel
     }
 
     /// Whether the command has moved both ways while the reading was held, for so long that no stop holds the rod.

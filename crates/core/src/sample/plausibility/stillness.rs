@@ -13,8 +13,8 @@ pub struct Stillness {
     pub cycles: u32,
     /// Number of cycles under a command that moves, by its [`Push`].
     pub pushed: [u32; 2],
-    /// Reading of the other transducer at the beginning, or where its way began anew, m.
-    beside: Option<f64>,
+    /// First two readings of the other transducer, at the beginning or where its way began anew, m: either may be wild.
+    first: [Option<f64>; 2],
     /// Newest reading of the other transducer, m, and cycles without one.
     seen: Option<f64>,
     pub unseen: u32,
@@ -22,16 +22,19 @@ pub struct Stillness {
     pub stirred: bool,
     /// Distance that the other transducer has moved since in a continuous motion, m.
     pub travelled: f64,
+    /// The same, whichever of its first two readings and of its newest two is wild. A spike of four coarse counts had a resting
+    /// rod called frozen.
+    pub witnessed: f64,
 }
 
-whole! { Stillness { cycles, pushed, beside, seen, unseen, stirred, travelled } }
+whole! { Stillness { cycles, pushed, first, seen, unseen, stirred, travelled, witnessed } }
 
 impl Stillness {
     /// Another cycle of it, after one in which the other transducer read `before`, m. Where that one was not there for
     /// longer than what is frozen takes, or has leapt far, its way begins anew: what it reads after a fault may be anywhere.
     pub fn go_on(&mut self, before: Option<f64>, moment: &Moment, limits: &PlausibilityLimits) {
         if self.cycles == 0 {
-            self.beside = before;
+            self.first = [before, None];
         }
         self.cycles = self.cycles.saturating_add(1);
         if let Some(push) = moment.push {
@@ -43,19 +46,23 @@ impl Stillness {
             return;
         };
         // If it was not there at the beginning, its way begins here.
-        let then = *self.beside.get_or_insert(now.position);
+        let then = *self.first[0].get_or_insert(now.position);
         self.stirred |= now.position != then;
-        let leap = (now.position - self.seen.unwrap_or(then)).abs();
+        let before = self.seen.replace(now.position);
+        let leap = (now.position - before.unwrap_or(then)).abs();
         let leaps = !now.goes_on && leap > FAR * limits.travel;
         let is_elsewhere = self.unseen > limits.frozen || leaps;
-        (self.seen, self.unseen) = (Some(now.position), 0);
+        self.unseen = 0;
         if is_elsewhere {
-            self.beside = Some(now.position);
+            self.first = [Some(now.position), None];
             return;
         }
-        let travel = (now.position - then).abs();
+        let second = *self.first[1].get_or_insert(now.position);
         if now.goes_on {
-            self.travelled = self.travelled.max(travel);
+            let [way, former] = [now.position, before.unwrap_or(then)]
+                .map(|newest| [then, second].map(|first| (newest - first).abs()));
+            self.travelled = self.travelled.max(way[0]);
+            self.witnessed = self.witnessed.max(way[0].min(way[1]).min(former[0]).min(former[1]));
         }
     }
 }
