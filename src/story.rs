@@ -70,7 +70,9 @@ fn process_size(incident: &Incident) -> Option<String> {
     Some(match finding.fault {
         Fault::ValveSticking => format!("within {size:.2} in the unit of the spool's signal"),
         Fault::Leakage => format!("{:.1} mm/s at 24 bar", size * 1e3),
-        Fault::ValveOffset => format!("{size:+.2} in the unit of the spool's signal"),
+        Fault::ValveOffset | Fault::ValveDeadBand => {
+            format!("{size:+.2} in the unit of the spool's signal")
+        }
         Fault::Supply | Fault::PressureSensor | Fault::Friction => format!("{size:+.1} bar"),
         Fault::Command if size == 1.0 => "1 cycle late".to_owned(),
         Fault::Command => format!("{size:.0} cycles late"),
@@ -103,6 +105,7 @@ const fn fault(fault: Fault) -> &'static str {
         Fault::PressureSensor => "pressure sensor",
         Fault::Command => "late or wrong command of the valve",
         Fault::Friction => "friction of the rod",
+        Fault::ValveDeadBand => "changed dead band of the valve",
         Fault::Unclassified => "unclassified error",
         Fault::NotCalibrated => "not calibrated",
     }
@@ -220,6 +223,11 @@ pub fn advice(incident: &Incident, names: &MachineNames) -> String {
         }
         (_, Fault::Friction) => {
             "Have the rod, its seals and its bearings looked at, and whether anything rubs along its way.".to_owned()
+        }
+        (_, Fault::ValveDeadBand) => {
+            "If other cylinders show it, too, look at the oil and its temperature; else have the valve's edges looked at \
+            at the next maintenance."
+                .to_owned()
         }
         (_, Fault::ValveOffset) => {
             "Check the valve's null and the sensor of its spool's position.".to_owned()

@@ -142,7 +142,7 @@ fn a_fault_of_a_cylinder_is_found_and_named_with_its_size() {
         ("freeze,sensor=pressure_bottom,cylinder=4,at=25", Kind::PressureSensor, None, 10.0),
         ("leakage,cylinder=2,at=25,rate=2.2", Kind::Leakage, Some(2.2 / 7000.0 * 24.0), 8.0),
         ("null_shift,cylinder=5,at=25,size=0.01", Kind::ValveOffset, Some(1.0), 8.0),
-        ("dead_band,cylinder=3,at=25,size=0.02", Kind::Unclassified, None, 8.0),
+        ("dead_band,cylinder=3,at=25,size=0.02", Kind::ValveDeadBand, Some(2.0), 8.0),
         ("friction,cylinder=3,at=25,factor=4", Kind::Friction, None, 20.0),
     ] {
         let warnings = TAUGHT.warnings(21, &[fault], 55.0);

@@ -256,7 +256,8 @@ fn threshold_counts(threshold: Option<f64>) -> u64 {
 /// that does not know it sees a fault of the first one, beside a suspect that is the process.
 pub const fn fault_code(fault: Fault) -> (u64, u64) {
     match fault {
-        Fault::Unclassified | Fault::NotCalibrated => (0, 0),
+        // The last two have no code of their own.
+        Fault::Unclassified | Fault::NotCalibrated | Fault::ValveDeadBand => (0, 0),
         Fault::Abrupt => (0, 1),
         Fault::Noise => (0, 2),
         Fault::Incipient => (0, 3),
@@ -325,9 +326,9 @@ mod tests {
             assert_eq!(told(fault, Suspect::Process), [code, 3, 1], "{fault:?}");
         }
         let of_no_table = |fault: &Fault| fault_code(*fault).0 == 0;
-        // It has no code of its own.
         assert_eq!(told(Fault::NotCalibrated, Suspect::Undecided), [0, 0, 0]);
-        assert_eq!(Fault::ALL.iter().filter(|it| of_no_table(it)).count(), old.len() + 1);
+        assert_eq!(told(Fault::ValveDeadBand, Suspect::Process), [0, 3, 0]);
+        assert_eq!(Fault::ALL.iter().filter(|it| of_no_table(it)).count(), old.len() + 2);
     }
 
     /// Fields valid, position and σ of the frame for an estimate.

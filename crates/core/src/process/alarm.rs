@@ -23,7 +23,7 @@ pub enum Malfunction {
     Leakage,
     /// The valve passes oil as if its spool stood further out. The size is in the unit of the spool's signal.
     Null,
-    /// The valve's ports open later.
+    /// The valve's ports open later. The size is in the unit of the spool's signal.
     DeadBand,
     /// The rod goes harder. The size is the load pressure that it takes more, bar.
     Friction,

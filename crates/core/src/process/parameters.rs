@@ -63,7 +63,8 @@ pub struct ProcessParameters {
     /// one than before, 0 to 1.
     pub flow_lasting: f64,
     /// What may have changed without a fault: leakage at 24 bar, null, gain, dead band, worn edges (m/s but for the
-    /// gain), and compressibility, m/bar. Warm oil leaks more, and its density changes.
+    /// gain), and compressibility, m/bar. Warm oil leaks more, its density changes, and a dead band of 1 % of the stroke
+    /// wanders by 0.4 %, which is 6 mm/s.
     pub flow_tolerances: [f64; DIRECTIONS],
     /// What of each of them is no fault.
     pub flow_bands: [f64; DIRECTIONS],
@@ -128,8 +129,8 @@ impl ProcessParameters {
         flow_block: 0.2,
         flow_looks: [10.0, 50.0],
         flow_lasting: 0.5,
-        flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],
-        flow_bands: [0.8e-3, 0.7e-3, 0.03, 1.2e-3, 1.5e-3, 0.0],
+        flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 3e-3, 0.4e-3, 3e-4],
+        flow_bands: [0.8e-3, 0.7e-3, 0.03, 7e-3, 1.5e-3, 0.0],
         edges: 0.022,
         edges_least: 2.0,
         friction_slow: 3.0,
@@ -158,8 +159,8 @@ impl ProcessParameters {
 /// to 1 m/s; those of [`ProcessParameters`] from which they are taken say where they come from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideParameters {
-    /// What a lesson leaves of each direction, in the units of [`ProcessParameters::flow_tolerances`], whose numbers they
-    /// are, and of a constant speed, m/s, at least 0: standard deviations.
+    /// What a lesson leaves of each direction, in the units of [`ProcessParameters::flow_tolerances`], and of a constant
+    /// speed, m/s, at least 0: standard deviations. A dead band that wanders is followed.
     pub usual: [f64; DIRECTIONS + 1],
     /// How far they walk in a second, in the same units, at least 0, a random walk: oil warms up, the load moves on. A
     /// hundredth of what they are usually in a second lets them follow within minutes.

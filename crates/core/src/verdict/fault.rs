@@ -46,19 +46,21 @@ pub enum Fault {
     Friction,
     /// None: C1 and C2 have differed since the start, and no calibration says by how much they should.
     NotCalibrated,
+    /// The valve's ports open later, or earlier.
+    ValveDeadBand,
 }
 
 choice! {
     Fault {
         Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale,
         ValveSticking, Leakage, ValveOffset, Supply, PressureSensor, Command,
-        Friction, NotCalibrated,
+        Friction, NotCalibrated, ValveDeadBand,
     }
 }
 
 impl Fault {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Unclassified,
         Self::Abrupt,
         Self::Noise,
@@ -75,6 +77,7 @@ impl Fault {
         Self::Command,
         Self::Friction,
         Self::NotCalibrated,
+        Self::ValveDeadBand,
     ];
 
     /// Name in files and reports.
@@ -95,6 +98,7 @@ impl Fault {
             Self::PressureSensor => "pressure_sensor",
             Self::Command => "command",
             Self::Friction => "friction",
+            Self::ValveDeadBand => "valve_dead_band",
             Self::NotCalibrated => "not_calibrated",
         }
     }

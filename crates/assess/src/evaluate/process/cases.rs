@@ -72,7 +72,7 @@ impl ProcessCase {
             other => other,
         };
         let unit = match self.expected {
-            Some(Fault::ValveSticking | Fault::ValveOffset) => {
+            Some(Fault::ValveSticking | Fault::ValveOffset | Fault::ValveDeadBand) => {
                 tables.sensors.spool_full / SPOOL_FULL
             }
             Some(Fault::Supply) => tables.supply.pressure,
@@ -171,8 +171,8 @@ pub const CASES: [ProcessCase; 35] = [
     by_flow("null 0.25 %", Ailment::NullShift { size: 0.0025 }, Fault::ValveOffset, Some(0.25)),
     by_flow("null 0.5 %", Ailment::NullShift { size: 0.005 }, Fault::ValveOffset, Some(0.5)),
     by_flow("null 1 %", Ailment::NullShift { size: 0.01 }, Fault::ValveOffset, Some(1.0)),
-    by_flow("dead band 0.5 %", Ailment::DeadBand { size: 0.005 }, Fault::Unclassified, None),
-    by_flow("dead band 1 %", Ailment::DeadBand { size: 0.01 }, Fault::Unclassified, None),
+    by_flow("dead band 0.5 %", Ailment::DeadBand { size: 0.005 }, Fault::ValveDeadBand, Some(0.5)),
+    by_flow("dead band 1 %", Ailment::DeadBand { size: 0.01 }, Fault::ValveDeadBand, Some(1.0)),
     by_flow("worn edges 12.5 mm/s", Ailment::ValveLeakage { speed: 0.0125 }, Fault::Leakage, None),
     by_flow("friction × 1.5", Ailment::Friction { factor: 1.5 }, Fault::Friction, None),
     by_flow("friction × 2", Ailment::Friction { factor: 2.0 }, Fault::Friction, None),

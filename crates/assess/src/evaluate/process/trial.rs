@@ -174,7 +174,9 @@ fn outcome(
     let named = |it: &Warning| matches!(it.finding.suspect, Suspect::C1 | Suspect::C2);
     let said = || own().filter(|it| after(it, onset) && it.state != State::Cleared);
     let at_last = |place: usize| said().rfind(|it| it.place == place).is_some_and(named);
-    let told = last.and_then(|it| it.finding.evidence?.size);
+    // Sizes of another kind have another unit.
+    let named_right = last.filter(|it| Some(it.finding.fault) == case.expected);
+    let told = named_right.and_then(|it| it.finding.evidence?.size);
     let signed = matches!(case.expected, Some(Kind::ValveOffset | Kind::PressureSensor));
     let truth = case.size.map(|size| if signed { sign * size } else { size });
     ProcessOutcome {

@@ -172,7 +172,8 @@ impl Cylinder {
     fn process_finding(&self) -> Option<Finding> {
         let alarm = self.process.as_ref()?.alarm()?;
         let fault = match alarm.malfunction {
-            Malfunction::Unclassified | Malfunction::DeadBand => Fault::Unclassified,
+            Malfunction::Unclassified => Fault::Unclassified,
+            Malfunction::DeadBand => Fault::ValveDeadBand,
             Malfunction::Leakage => Fault::Leakage,
             Malfunction::Friction => Fault::Friction,
             Malfunction::Sticking => Fault::ValveSticking,

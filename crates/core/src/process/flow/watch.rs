@@ -124,7 +124,7 @@ impl FlowWatch {
         Some(match direction {
             Direction::Leakage | Direction::ValveLeakage => (Malfunction::Leakage, Some(size)),
             Direction::Null => (Malfunction::Null, Some(size / self.flow.design().slope())),
-            Direction::DeadBand => (Malfunction::DeadBand, None),
+            Direction::DeadBand => (Malfunction::DeadBand, Some(size / self.flow.design().slope())),
             Direction::Gain | Direction::Pressing => (Malfunction::Unclassified, None),
         })
     }
@@ -175,9 +175,19 @@ mod tests {
         push(&mut watch, 150, 4e-3, &both);
         assert!(watch.malfunction(1500, true).is_some(), "it lasts");
         push(&mut watch, 50, 0.0, &both[..1]);
-        let dead_band = Some((Malfunction::DeadBand, None));
-        assert_eq!(watch.malfunction(2000, false), dead_band);
+        let found = watch.malfunction(2000, false);
+        assert!(matches!(found, Some((Malfunction::DeadBand, Some(_)))), "{found:?}");
         assert_eq!(watch.malfunction(2000, true), None);
+    }
+
+    /// That of 1 % of the stroke by 40 % of it, which is 6 mm/s.
+    #[test]
+    fn a_dead_band_that_wanders_while_the_oil_warms_up_is_no_fault() {
+        for (speed, is_fault) in [(6e-3, false), (-6e-3, false), (9e-3, true), (-9e-3, true)] {
+            let mut watch = watch();
+            push(&mut watch, 300, speed, &[(Direction::DeadBand, WAY)]);
+            assert_eq!(watch.peak(20.0).width > 0, is_fault, "{speed}");
+        }
     }
 
     #[test]
