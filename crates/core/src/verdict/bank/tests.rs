@@ -181,3 +181,18 @@ fn a_calm_cycle_is_judged_as_any_other() {
         assert!(calm > 1_000 && found > 1_000, "{calm} calm, {found} with a finding");
     }
 }
+
+/// A step of 4 mm, which an observer follows: in the third sample only two thirds of it are left.
+#[test]
+fn a_fault_is_as_old_and_as_large_as_the_first_sample_of_it() {
+    let mut bank = bank();
+    for (cycle, residual) in [(0, 4e-3), (1, 3.2e-3), (2, 2.6e-3)] {
+        assert_eq!(bank.detections(), [None; 3], "it has to last");
+        run(&mut bank, cycle..cycle + 1, [0.0, 0.0, residual]);
+    }
+    assert_eq!(bank.difference().map(|(_, age)| age), Some(2));
+    assert_eq!(bank.detections()[FDE3].map(|it| it.residual), Some(4e-3));
+    run(&mut bank, 3..4, [0.0, 0.0, 2.5e-3]);
+    assert_eq!(bank.difference().map(|(_, age)| age), Some(3));
+    assert_eq!(bank.detections()[FDE3].map(|it| it.residual), Some(2.5e-3));
+}
