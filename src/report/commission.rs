@@ -98,7 +98,7 @@ pub fn tables(result: &Commissioned) -> Section {
     let relations = [
         ("process, by the spool", "a valve that sticks, an offset, a late or other command"),
         ("process, by the pressures", "a pressure sensor that is off, that of the supply too"),
-        ("process, by the flow", "leakage, a null that has moved"),
+        ("process, by the flow", "leakage, a null that has moved, a changed dead band"),
         ("process, by the friction", "worn or swollen seals, a bent rod"),
     ];
     for (which, (name, finds)) in relations.into_iter().enumerate() {
