@@ -187,6 +187,10 @@ mod tests {
             let mut watch = watch();
             push(&mut watch, 300, speed, &[(Direction::DeadBand, WAY)]);
             assert_eq!(watch.peak(20.0).width > 0, is_fault, "{speed}");
+            let Some((Malfunction::DeadBand, Some(size))) = watch.malfunction(2000, false) else {
+                panic!("something else explains {speed}");
+            };
+            assert!((size * watch.flow.design().slope() - speed).abs() < 1e-9, "{size}");
         }
     }
 

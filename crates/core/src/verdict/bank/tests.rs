@@ -123,12 +123,8 @@ fn a_spike_is_neither_a_fault_nor_healthy_and_the_difference_has_to_last_too() {
     for cycle in 0..40 {
         let wild = if cycle % 8 < 2 { 40e-3 } else { 0.1e-3 };
         assert_eq!(run(&mut bank, cycle..cycle + 1, [wild, 0.0, wild]), None, "{cycle}");
-        let (own, other) = if cycle % 8 < 2 {
-            (Verdict::Unknown, Verdict::Unknown)
-        } else {
-            (Verdict::Healthy, Verdict::Healthy)
-        };
-        assert_eq!(bank.verdicts(), [own, Verdict::Healthy, other], "{cycle}");
+        let seen = if cycle % 8 < 2 { Verdict::Unknown } else { Verdict::Healthy };
+        assert_eq!(bank.verdicts(), [seen, Verdict::Healthy, seen], "{cycle}");
     }
     assert_eq!(run(&mut bank, 42..45, [2e-3, 0.0, 2e-3]), Some(Suspect::C1));
     assert_eq!(bank.verdicts(), [Verdict::Faulty, Verdict::Healthy, Verdict::Faulty]);
