@@ -4,7 +4,7 @@ use crate::state::whole;
 
 /// The mean of values: of all of them at first, later with an exponential memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Mean {
+pub(crate) struct Mean {
     value: f64,
     count: u32,
 }

@@ -27,7 +27,7 @@ mod carrier;
 pub mod dynamics;
 pub mod filter;
 pub mod growth;
-mod mean;
+pub(crate) mod mean;
 pub mod parameters;
 pub mod scale;
 pub mod sensor;

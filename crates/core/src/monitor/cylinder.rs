@@ -4,6 +4,7 @@ mod agreement;
 mod allowing;
 mod blanks;
 mod checking;
+mod dead_reckoning;
 mod design;
 mod detectors;
 mod devices;
@@ -38,6 +39,7 @@ use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
+use dead_reckoning::DeadReckoning;
 pub use design::CylinderDesign;
 use devices::Watches;
 use last::LastOne;
@@ -96,6 +98,8 @@ pub struct Cylinder {
     agreement: Agreement,
     precedence: Precedence,
     last: LastOne,
+    /// `None` where the velocity by the command is not known well enough, or costs more than it gives.
+    reckoning: Option<Box<DeadReckoning>>,
     /// Virtual sensor; `None` where its estimates are not needed.
     sensor: Option<Box<VirtualSensor>>,
     estimated: Option<Estimate>,
@@ -144,6 +148,7 @@ impl Cylinder {
             agreement: Agreement::default(),
             precedence: Precedence::new(design.coincidence),
             last: LastOne::default(),
+            reckoning: None,
             sensor: None,
             estimated: None,
             critical: design.trip(),
@@ -163,6 +168,7 @@ impl Cylinder {
             design,
         };
         cylinder.restore(&DwellHistory::default());
+        cylinder.reckoning = cylinder.reckoning_of().map(Box::new);
         cylinder
     }
 
@@ -262,6 +268,9 @@ impl Cylinder {
             self.judge_process(now, good);
         }
         self.judge_precedence();
+        if self.reckoning.is_some() {
+            self.reckon(now, good, command);
+        }
         let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();
         let finds = self.judge_last(is_odd, now, &residuals, good, command);
         if self.sensor.is_some() {

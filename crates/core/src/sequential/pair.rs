@@ -154,6 +154,8 @@ pub struct Pair {
     /// The length, m, the error of the drive's velocity, m/s, and its slope, m/s².
     x: [f64; 3],
     running: bool,
+    /// Velocity by the command until the next cycle, m/s, where it is known.
+    velocity: Option<f64>,
     /// A ring.
     innovations: [[f64; 2]; KEPT],
     next: usize,
@@ -161,7 +163,7 @@ pub struct Pair {
 }
 
 state! {
-    Pair { commands, x, running, innovations, next, held }
+    Pair { commands, x, running, velocity, innovations, next, held }
     but { design }
     sound |it| it.next < KEPT && it.held <= KEPT
 }
@@ -174,6 +176,7 @@ impl Pair {
             commands,
             x: [0.0; 3],
             running: false,
+            velocity: None,
             innovations: [[0.0; 2]; KEPT],
             next: 0,
             held: 0,
@@ -182,6 +185,7 @@ impl Pair {
 
     pub fn reset(&mut self) {
         self.commands.clear();
+        self.velocity = None;
         self.lose();
     }
 
@@ -199,7 +203,8 @@ impl Pair {
             None => self.commands.clear(),
         }
         let PairDesign { gain, drive, sample_time, left, .. } = &self.design;
-        let Some(([c1, c2], velocity)) = lengths.zip(drive.velocity(&self.commands)) else {
+        self.velocity = drive.velocity(&self.commands);
+        let Some(([c1, c2], velocity)) = lengths.zip(self.velocity) else {
             return self.lose();
         };
         if !self.running {
@@ -222,6 +227,11 @@ impl Pair {
         if !self.x[0].is_finite() {
             self.lose();
         }
+    }
+
+    /// Velocity by the command alone until the next cycle, m/s; `None` before enough commands came.
+    pub const fn velocity(&self) -> Option<f64> {
+        self.velocity
     }
 
     /// The newest innovations, m; `None` before the filter has followed for a while.

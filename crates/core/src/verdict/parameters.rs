@@ -50,6 +50,20 @@ pub struct VerdictParameters {
     /// A displacement of it has to stay for so long, s; 0.04 to 1. A transducer that fluctuates is now and then off for
     /// 0.2 s (Figure 5-9), and by twice as much where one fluctuation follows the other.
     pub confirmed: f64,
+    /// The last transducer is compared with dead reckoning so often, s, in windows of 1, 2, 4 … 128 times as long; 0.2 to 1.
+    pub reckoned: f64,
+    /// What is usual in these windows is a mean over so long, s; several times the longest one.
+    pub reckoned_memory: f64,
+    /// Without a drive the model goes alone; its pressure has a time constant of 10 s by Table 4-1, and is used after so long, s.
+    pub reckoned_settling: f64,
+    /// A window is judged once so many that follow each other were learnt, and a mean square of n counts as 1 + doubt/n of it.
+    pub reckoned_trials: f64,
+    pub reckoned_doubt: f64,
+    /// So many deviations are a fault; 6 or more. Healthy machines came to 4.4, and to 5.8 while a pump failed.
+    pub reckoned_deviations: f64,
+    /// Part of the difference at which the machine trips, below which nothing is a fault; 0.1 to 0.5. A rod that was at rest has
+    /// hardly any usual error.
+    pub reckoned_least: f64,
 }
 
 impl VerdictParameters {
@@ -70,6 +84,13 @@ impl VerdictParameters {
         shared: 0.5,
         last_noise: 22,
         confirmed: 0.3,
+        reckoned: 0.5,
+        reckoned_memory: 600.0,
+        reckoned_settling: 40.0,
+        reckoned_trials: 2.0,
+        reckoned_doubt: 4.0,
+        reckoned_deviations: 7.0,
+        reckoned_least: 0.2,
     };
 
     /// [`Self::lasting`] of a cylinder that `has_sequential` detector; without one a threshold counts at once.

@@ -12,6 +12,7 @@ mod displacement;
 mod stop;
 mod usual;
 
+use super::dead_reckoning::Departure;
 use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
@@ -260,7 +261,7 @@ impl Cylinder {
         let confirmed = watched.confirm(residual, &limits);
         if watched.latch.is_none() {
             let fault = found.map_or(Fault::Unclassified, |found| found.fault);
-            watched.latch = confirmed.map(|residual| Latch { fault, residual });
+            watched.latch = confirmed.map(|residual| Latch { fault, residual, threshold: high });
         } else if let (Some(latch), Some(found)) = (&mut watched.latch, found) {
             latch.fault = found.fault;
         }
@@ -277,8 +278,7 @@ impl Cylinder {
             return;
         }
         let latch = self.last.of[i].latch;
-        self.last.of[1 - i].latch =
-            latch.map(|it| Latch { residual: -it.residual, fault: it.fault });
+        self.last.of[1 - i].latch = latch.map(|it| Latch { residual: -it.residual, ..it });
         self.last.has_joined = true;
     }
 
@@ -311,23 +311,20 @@ impl Cylinder {
         jump.is_none_or(|jump| jump.abs() >= CONFIRMED * own.abs())
     }
 
-    /// Whether the rod is expected where it was not while nothing was found, such as on a stop, which is no fault of a
-    /// reading.
-    fn is_elsewhere(&self, residuals: &Residuals, good: [Option<Measurement>; 2]) -> bool {
-        let [lowest, highest] = self.last.been();
-        let (least, most) = self.design.limits[0].lengths;
-        let (half, end) = (0.5 * (highest - lowest), STOP * (most - least));
-        let lowest = (lowest - half).max(least + end).min(lowest - NEAR);
-        let highest = (highest + half).min(most - end).max(highest + NEAR);
-        let is_beyond = |i: usize| {
-            let expected = good[i].map(|it| it.position - residuals.r[i].unwrap_or_default());
-            let place = expected.map(|it| match i {
-                0 => it,
-                _ => self.design.comparator.corrected(it),
-            });
-            place.is_some_and(|it| !(lowest..=highest).contains(&it))
-        };
-        (0..2).any(|i| self.is_last(i) && !self.last.is_latched(i) && is_beyond(i))
+    /// The only transducer that is left, if it is not latched.
+    pub(super) fn alone(&self) -> Option<usize> {
+        let is_alone =
+            |i: &usize| self.has(TRANSDUCERS[*i]) && self.is_last(*i) && self.last.of[*i].out == 0;
+        (0..2).find(is_alone)
+    }
+
+    /// Latches transducer `i`, which departs from dead reckoning. A cylinder that does not do what it is told departs
+    /// as well, but for what the oil explains; either way nothing is left to rely on.
+    #[cold]
+    pub(super) fn latch_departure(&mut self, i: usize, departure: Departure) {
+        let Departure { error: residual, limit: threshold } = departure;
+        self.last.of[i].latch = Some(Latch { fault: Fault::Incipient, residual, threshold });
+        self.last.is_attended = true;
     }
 
     /// Ends the latch when the other transducer is back, and both agree.
@@ -351,23 +348,13 @@ impl Cylinder {
             let found = found.filter(|_| self.last.names(i))?;
             return Some(self.observer_finding(Detection { suspect: NAMES[i], ..found }));
         };
-        let found = found.unwrap_or(Detection {
-            fault: latch.fault,
-            suspect: NAMES[i],
-            residual: latch.residual,
-            threshold: self.design.bank.observer.high,
-        });
+        let Latch { fault, residual, threshold } = latch;
+        let latched = Detection { fault, suspect: NAMES[i], residual, threshold };
+        let found = found.unwrap_or(latched);
         let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
         Some(Finding { level: self.design.levels.both, ..finding })
     }
 }
-
-/// A rod that moves so far beyond where it has been, m, is not on a stop, and by half of the way that it has been, unless
-/// it comes near an end of its stroke: each high wave goes further than the one before.
-const NEAR: f64 = 0.1;
-
-/// Part of the stroke at either end in which a stop may hold the rod.
-const STOP: f64 = 0.1;
 
 /// So many standard deviations of the innovations in health are well above them.
 const WELL_ABOVE: f64 = 8.0;

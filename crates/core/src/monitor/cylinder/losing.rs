@@ -64,6 +64,9 @@ impl Cylinder {
         if let Some(sensor) = &mut self.sensor {
             sensor.interrupt();
         }
+        if let Some(reckoning) = &mut self.reckoning {
+            reckoning.pause();
+        }
         self.critical.interrupt();
         self.approach.interrupt();
         self.precedence.interrupt();

@@ -8,7 +8,7 @@ state! {
         inputs, pending, plausibility, motions, implausible, observers, commands, uncorrected, bank, agreement, precedence, last, estimated,
         critical, approach, length, apart, was_critical, command_missing, command_silent, way, judged, blanks, supply_is_odd, is_busy, is_watched, quantities, tally,
     }
-    parts { devices, sequential, process, sensor }
+    parts { devices, sequential, process, sensor, reckoning }
     but { design }
     sound |it| it.blanks.begin_before(it.tally.cycles)
 }

@@ -2,11 +2,17 @@
 
 use super::Sequential;
 use super::alarmed::decide;
+use crate::sequential::Pair;
 use crate::sequential::alarm::{Alarm, Cause};
 use crate::sequential::excursions::{AlarmWindow, Beginning, find};
 use crate::verdict::{Fault, Suspect, Testimony};
 
 impl Sequential {
+    /// What compares both readings with the command, where a calibration has fitted a drive.
+    pub const fn pair(&self) -> Option<&Pair> {
+        self.pair.as_ref()
+    }
+
     /// Compares the readings at the onset of a new `alarm` that has no suspect yet.
     pub(super) fn locate(&self, alarm: &mut Alarm) {
         let (Some(limits), Some(pair)) = (&self.design.excursions, &self.pair) else { return };

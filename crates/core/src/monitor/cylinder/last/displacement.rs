@@ -7,11 +7,13 @@ use crate::verdict::Fault;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Latch {
     pub fault: Fault,
-    /// Innovation that showed it, m, signed.
+    /// Innovation, or error of dead reckoning, that showed it, m, signed.
     pub residual: f64,
+    /// What that exceeded, m.
+    pub threshold: f64,
 }
 
-whole! { Latch { fault, residual } }
+whole! { Latch { fault, residual, threshold } }
 
 /// An innovation that may be a displacement.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,17 @@
 //! The motion of the rod in which its observers were quiet. In another one they are no evidence.
 
+use super::Cylinder;
+use crate::observe::observer::Measurement;
 use crate::sample::plausibility::NOWHERE;
 use crate::state::whole;
+use crate::verdict::Residuals;
+
+/// A rod that moves so far beyond where it has been, m, is not on a stop, and by half of the way that it has been, unless
+/// it comes near an end of its stroke: each high wave goes further than the one before.
+const NEAR: f64 = 0.1;
+
+/// Part of the stroke at either end in which a stop may hold the rod.
+const STOP: f64 = 0.1;
 
 /// A command is another motion from so many times the largest usual one on: in a sea the largest one so far is exceeded
 /// again and again.
@@ -108,5 +118,42 @@ impl UsualMotion {
             true => settle,
             false => self.unusual.saturating_sub(1),
         };
+    }
+}
+
+impl Cylinder {
+    /// Whether the rod is expected where it was not while nothing was found, such as on a stop, which is no fault of a
+    /// reading.
+    pub(super) fn is_elsewhere(
+        &self,
+        residuals: &Residuals,
+        good: [Option<Measurement>; 2],
+    ) -> bool {
+        let [lowest, highest] = self.last.been();
+        let (half, [least, most]) = (0.5 * (highest - lowest), self.inner_stroke());
+        let lowest = (lowest - half).max(least).min(lowest - NEAR);
+        let highest = (highest + half).min(most).max(highest + NEAR);
+        let is_beyond = |i: usize| {
+            let expected = good[i].map(|it| it.position - residuals.r[i].unwrap_or_default());
+            let place = expected.map(|it| match i {
+                0 => it,
+                _ => self.design.comparator.corrected(it),
+            });
+            place.is_some_and(|it| !(lowest..=highest).contains(&it))
+        };
+        (0..2).any(|i| self.is_last(i) && !self.last.is_latched(i) && is_beyond(i))
+    }
+
+    /// The stroke without its ends, where a stop may hold the rod, m.
+    fn inner_stroke(&self) -> [f64; 2] {
+        let (least, most) = self.design.limits[0].lengths;
+        let end = STOP * (most - least);
+        [least + end, most - end]
+    }
+
+    /// Whether a stop may hold a rod of this length, m.
+    pub(in super::super) fn is_near_end(&self, length: f64) -> bool {
+        let [least, most] = self.inner_stroke();
+        !(least..=most).contains(&length)
     }
 }
