@@ -31,7 +31,8 @@ pub fn evidence(incident: &Incident) -> String {
 fn conclusion(incident: &Incident) -> String {
     let is_alone = incident.is_alone();
     let by_observer = incident.part(WarningPlace::Fde1).is_some()
-        && incident.part(WarningPlace::PlausibilityOfC1).is_none();
+        && incident.part(WarningPlace::PlausibilityOfC1).is_none()
+        && incident.part(WarningPlace::Hexapod).is_none();
     let whom = match incident.suspect {
         Suspect::C1 if is_alone && by_observer => {
             "there is no second transducer to ask, so C1 is blamed"
@@ -75,6 +76,10 @@ fn observed(incident: &Incident) -> Vec<Observation> {
     ];
     for (place, what) in weighed {
         observed.extend(incident.part(place).map(|part| sampled(part, what)));
+    }
+    // Beside a sequential detector it is no observation of its own, and what it testifies comes last.
+    if incident.is_alone() {
+        observed.extend(incident.part(WarningPlace::Hexapod).map(tilted));
     }
     observed.sort_by_key(|it| it.at);
     observed
@@ -156,6 +161,17 @@ fn sampled(part: &Part, what: &str) -> Observation {
     clause += " showed it";
     let first = format!("{clause} first");
     Observation { first, ..Observation::new(part.raised, clause) }
+}
+
+/// What the deck's attitude says of a single transducer.
+fn tilted(part: &Part) -> Observation {
+    let size =
+        part.finding.residual.map_or(String::new(), |it| format!(" by {}", millimetres(it.abs())));
+    let nats = part.finding.evidence.and_then(|it| it.location);
+    let nats = nats.map_or(String::new(), |it| format!(" ({it:.0} nats)"));
+    let clause =
+        format!("the deck stood as if C1 were off{size}, and as no other cylinder explains{nats}");
+    Observation::new(part.raised, clause)
 }
 
 /// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet.

@@ -1,10 +1,12 @@
-//! The attitude of the deck on a simulated machine: whom it names, and when it is no witness.
+//! The attitude of the deck on a simulated machine: what it names, and when it is no evidence.
 
-use crate::sequential_support::{Bench, EPOCH, Heard, Setup, setup};
+use crate::sequential_support::{Bench, EPOCH, Heard, Setup, fine, setup};
+use std::path::Path;
 use tertius::alarm::status::Health;
-use tertius::alarm::{Detector, State, Warning};
+use tertius::alarm::{Detector, Level, State, Warning};
+use tertius::dbc::{Database, text};
 use tertius::decode::Inserted;
-use tertius::verdict::Suspect;
+use tertius::verdict::{Fault, Suspect};
 
 /// A drift of cylinder 2 and one of cylinder 5, later, and how long both are watched, s.
 const DRIFTS: [&str; 2] = [
@@ -84,4 +86,69 @@ fn without_its_sensor_or_where_that_is_frozen_nobody_is_named() {
     // Nor is there such a detector on a machine without the sensor.
     assert!(setup.monitor().tilt().is_some());
     assert!(crate::sequential_support::setup().monitor().tilt().is_none());
+}
+
+/// The machine with a sensor of 0.005° on its deck, and without C2.
+fn single() -> Setup {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let loaded = tertius::config::load(&top.join("config/e-type-top.toml")).expect("it is sound");
+    let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
+    let mut settings = loaded.settings;
+    let signals = &mut settings.signals.cylinder;
+    (signals.c2, signals.c2_velocity, signals.c2_status, signals.c2_counter) = Default::default();
+    let accuracy = 8.7e-5;
+    settings.hexapod.as_mut().expect("it has one").top_accuracy = accuracy;
+    let mut tables = fine(&[], "");
+    (tables.sensors.top.noise, tables.sensors.top.wander) = (accuracy, accuracy);
+    Setup { tables, settings, database }
+}
+
+#[test]
+fn a_single_transducer_that_drifts_or_steps_is_named_on_each_cylinder() {
+    let setup = single();
+    let options = tertius::simulator::Options { in_loop: true, ..setup.options(4, &[]) };
+    let (mut simulator, mut bench) = (setup.simulator(&options), Bench::new(&setup));
+    bench.run(&mut simulator, 100.0);
+    assert!(bench.heard.others.is_empty(), "{:?}", bench.heard.others);
+    for cylinder in 1..=6 {
+        for (shape, kind) in [
+            ("drift,rate=0.002", Fault::Incipient),
+            ("drift,rate=-0.002", Fault::Incipient),
+            ("step,size=0.01", Fault::Abrupt),
+            ("step,size=-0.01", Fault::Abrupt),
+        ] {
+            let what = format!("{shape} of cylinder {cylinder}");
+            let faults = setup.options(4, &[format!("{shape},cylinder={cylinder},sensor=c1,at=1")]);
+            let mut simulator = simulator.clone();
+            simulator.afflict(&faults.faults, 4);
+            let mut bench = Bench { monitor: bench.monitor.clone(), heard: Heard::default() };
+            bench.run(&mut simulator, 12.0);
+            let own: Vec<_> =
+                bench.heard.others.iter().filter(|it| it.detector == Detector::Hexapod).collect();
+            let [first] = own[..] else { panic!("{what}: {own:?}") };
+            assert_eq!((first.state, first.cylinder), (State::Raised, cylinder), "{what}");
+            let finding = first.finding;
+            assert_eq!((finding.suspect, finding.fault), (Suspect::C1, kind), "{what}");
+            assert_eq!(finding.level, Level::Black, "{what}: there is no other one");
+            let size = finding.residual.expect(&what);
+            assert!(
+                (0.004..0.012).contains(&size.abs()) && (size < 0.0) == shape.contains("=-"),
+                "{what}: {size}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_is_found_of_healthy_single_transducers() {
+    let setup = single();
+    for (seed, fluctuates) in [(7, false), (8, true)] {
+        let mut setup = setup.clone();
+        setup.tables.transducer.fluctuation_probability = if fluctuates { 5e-4 } else { 0.0 };
+        let (mut simulator, mut bench) =
+            (setup.simulator(&setup.options(seed, &[])), Bench::new(&setup));
+        bench.run(&mut simulator, 1800.0);
+        let own = |it: &&Warning| it.detector == Detector::Hexapod;
+        assert_eq!(bench.heard.others.iter().find(own), None, "{seed}");
+    }
 }

@@ -13,20 +13,24 @@ pub fn describe(machine: &Machine) -> String {
             .to_owned();
     };
     let names: Vec<&str> = names.into_iter().flatten().map(String::as_str).collect();
-    let blind = |has_c2: bool, why: &str| {
+    let without = |has_c2: bool| {
         let blind = machine.design.cylinders.iter().filter(|it| it.sequential.is_none());
         let blind = blind.filter(|it| it.has(Transducer::C2) == has_c2);
         let numbers: Vec<String> = blind.map(|it| it.number.to_string()).collect();
         match numbers.as_slice() {
-            [] => String::new(),
-            [one] => format!("; not for cylinder {one}, which has no {why}"),
-            numbers => format!("; not for cylinders {}, which have no {why}", numbers.join(", ")),
+            [] => None,
+            [one] => Some((format!("cylinder {one}"), "has")),
+            numbers => Some((format!("cylinders {}", numbers.join(", ")), "have")),
         }
     };
-    let blind = blind(true, "sequential detector to find a drift first")
-        + &blind(false, "C2, so that no sequential detector finds a drift first");
+    let blind = without(true).map_or(String::new(), |(which, has)| {
+        format!("; not for {which}, which {has} no sequential detector to find a drift first")
+    });
+    let single = without(false).map_or(String::new(), |(which, has)| {
+        format!("; it finds an error of C1 of {which}, which {has} no C2, by itself")
+    });
     format!(
-        "\nhexapod: the deck's attitude names the reading that has moved, by {} (accuracy {:.3}°){blind}\n",
+        "\nhexapod: the deck's attitude names the reading that has moved, by {} (accuracy {:.3}°){blind}{single}\n",
         names.join(", "),
         tilt.accuracy.to_degrees()
     )

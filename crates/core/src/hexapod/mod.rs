@@ -21,7 +21,7 @@ pub use geometry::{Geometry, Hexapod};
 pub use inverse::{FrameMotion, Legs};
 pub use parameters::TiltParameters;
 pub use pose::{Pose, PoseRate};
-pub use tilt::{Inclination, Tilt, TiltDesign, TiltLeg};
+pub use tilt::{Inclination, Tilt, TiltChange, TiltDesign, TiltError, TiltJudgement, TiltLeg};
 
 /// Legs of a hexapod.
 pub const LEGS: usize = 6;

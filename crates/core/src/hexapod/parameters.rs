@@ -26,6 +26,18 @@ pub struct TiltParameters {
     pub geometry: f64,
     /// Nothing is said where no explanation is nearer than so many standard deviations.
     pub beside: f64,
+    /// Of single transducers: means that were measured before a tilt can depart from the usual one. At one in two
+    /// seconds, they are some swells.
+    pub taught: u32,
+    /// From how many standard deviations on a tilt has departed, and nothing is learnt from it.
+    pub departed: f64,
+    /// By how many nats a leg has to explain it better than every other one, as in `decided_by_the_rod` of the sequential
+    /// detectors.
+    pub apart: f64,
+    /// Time for which the same leg has to explain it, and for which the tilt has to be the usual one again, s.
+    pub confirmed: f64,
+    /// Time after which a departure that no leg explains is the machine's new usual tilt, s.
+    pub undecided: f64,
 }
 
 impl TiltParameters {
@@ -41,5 +53,10 @@ impl TiltParameters {
         walk: 3e-6,
         geometry: 0.05,
         beside: 4.0,
+        taught: 30,
+        departed: 3.0,
+        apart: 8.0,
+        confirmed: 1.0,
+        undecided: 600.0,
     };
 }

@@ -9,10 +9,14 @@
 //! those whose C1 it was, and Q = (e − Σh)ᵀ S⁻¹ (e − Σh) how badly it fits. The log-likelihood of a cylinder's C1 less
 //! that of its C2 is half of what the best explanation without it fits worse than the best one with it.
 //!
+//! A cylinder with a single transducer has nothing that could part, so there a tilt that departs from the usual one is a
+//! finding by itself, and its direction identifies the cylinder ([`TiltChange`]).
+//!
 //! Without the sensor there is no such evidence: a controller that follows C1 holds the deck level by C1, whoever is
 //! wrong.
 
 mod comparison;
+mod departure;
 mod explanation;
 mod healthy;
 
@@ -21,6 +25,8 @@ use crate::state::{state, whole};
 use crate::time;
 use comparison::{Comparison, are_finite, inclination, up};
 use core::f64::consts::FRAC_PI_2;
+use departure::{Departure, Found};
+pub use departure::{TiltChange, TiltError};
 use explanation::evidence;
 use healthy::Healthy;
 use nalgebra::Vector2;
@@ -52,8 +58,20 @@ pub struct TiltLeg {
     pub length: Option<f64>,
     /// Whether nothing is found of it.
     pub is_healthy: bool,
+    /// Whether it has no C2.
+    pub is_single: bool,
     /// Whether its readings have parted, and by how much C1 is now beyond what C2 has it at, m, where that is known.
     pub parted: Option<Option<f64>>,
+}
+
+/// What a cycle has shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TiltJudgement {
+    /// For each cylinder whose readings have parted the evidence of whose has moved, nats: positive for C1, negative for
+    /// C2; `None` where nothing was compared, or nothing explains the tilt.
+    pub parted: [Option<f64>; LEGS],
+    /// Of the cylinders with a single transducer.
+    pub change: Option<TiltChange>,
 }
 
 /// Roll and pitch of one sensor, rad.
@@ -113,10 +131,12 @@ pub struct Tilt {
     mean: Option<Mean>,
     healthy: Option<Healthy>,
     since: Option<Since>,
+    departure: Option<Departure>,
+    found: Option<Found>,
 }
 
 state! {
-    Tilt { vessel, top, deck, idle, mean, healthy, since }
+    Tilt { vessel, top, deck, idle, mean, healthy, since, departure, found }
     but { hexapod, accuracy, parameters, counts }
     sound |it| it.idle < u32::MAX
 }
@@ -130,6 +150,8 @@ struct Counts {
     settled: u32,
     gap: u32,
     frozen: u32,
+    confirmed: u32,
+    undecided: u32,
     sample_time: f64,
 }
 
@@ -144,6 +166,8 @@ impl Tilt {
             settled: cycles(parameters.settled),
             gap: cycles(parameters.gap),
             frozen: cycles(parameters.frozen),
+            confirmed: cycles(parameters.confirmed),
+            undecided: cycles(parameters.undecided),
             sample_time: *sample_time,
         };
         Self {
@@ -158,6 +182,8 @@ impl Tilt {
             mean: None,
             healthy: None,
             since: None,
+            departure: None,
+            found: None,
         }
     }
 
@@ -185,6 +211,7 @@ impl Tilt {
     /// Forgets everything: nobody knows what has happened.
     pub const fn forget(&mut self) {
         (self.deck, self.mean, self.healthy, self.since) = (None, None, None, None);
+        (self.departure, self.found) = (None, None);
     }
 
     /// Whether the usual tilt is known, so that an alarm could be decided.
@@ -192,14 +219,13 @@ impl Tilt {
         self.healthy.is_some_and(|it| it.age >= self.counts.settled)
     }
 
-    /// Takes a cycle, and the angles that came in it. Returns for each cylinder whose readings have parted the evidence of
-    /// whose has moved, nats: positive for C1, negative for C2; `None` where nothing was compared, or nothing explains
-    /// the tilt.
-    pub fn step(&mut self, legs: &[TiltLeg; LEGS]) -> [Option<f64>; LEGS] {
+    /// Takes a cycle, and the angles that came in it.
+    pub fn step(&mut self, legs: &[TiltLeg; LEGS]) -> TiltJudgement {
+        let nothing = TiltJudgement::default();
         self.idle = self.idle.saturating_add(1).min(u32::MAX - 1);
         let [vessel, top] = [self.vessel.take(), self.top.take()];
         if self.idle < self.counts.every {
-            return [None; LEGS];
+            return nothing;
         }
         let frozen = self.counts.frozen;
         let [vessel, top] =
@@ -207,31 +233,39 @@ impl Tilt {
         if self.idle > self.counts.gap {
             self.mean = None;
         }
-        let Some((vessel, top)) = vessel.zip(top) else { return [None; LEGS] };
+        let Some((vessel, top)) = vessel.zip(top) else { return nothing };
         let is_healthy = legs.iter().all(|leg| leg.is_healthy);
         let has_parted = legs.iter().any(|leg| leg.parted.is_some());
         // A mean is either of a healthy machine or of one whose readings have parted.
         if !is_healthy && !has_parted {
             (self.mean, self.since) = (None, None);
-            return [None; LEGS];
+            return nothing;
         }
         if is_healthy && self.since.is_some() {
             (self.mean, self.since) = (None, None);
         }
-        let Some(found) = self.compare(vessel, top, legs) else { return [None; LEGS] };
+        let Some(found) = self.compare(vessel, top, legs) else { return nothing };
         let cycles = core::mem::take(&mut self.idle);
         let share = match self.mean {
             Some(_) => 1.0 - libm::exp(-f64::from(cycles) / self.counts.mean),
             None => 1.0,
         };
         self.follow(found.tilt, share, cycles);
+        let mut change = None;
         if is_healthy {
-            self.learn(found.tilt, cycles);
+            if legs.iter().any(|leg| leg.is_single) {
+                change = self.judge_single(&found, legs, share, cycles);
+            }
+            // What a transducer may be off by is not the usual tilt.
+            if self.departure.is_none() && self.found.is_none() {
+                self.learn(found.tilt, cycles);
+            }
         }
-        if has_parted {
-            return self.weigh(&found, legs, share, cycles);
-        }
-        [None; LEGS]
+        let parted = match has_parted {
+            true => self.weigh(&found, legs, share, cycles),
+            false => [None; LEGS],
+        };
+        TiltJudgement { parted, change }
     }
 
     /// Follows the mean, of which the newest comparison is this `share`.

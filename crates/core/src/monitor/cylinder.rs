@@ -17,6 +17,7 @@ mod precedence;
 mod saved;
 mod tally;
 mod telling;
+mod tilted;
 mod wild;
 
 use super::gate::Opening;
@@ -46,6 +47,7 @@ use last::LastOne;
 use precedence::Precedence;
 pub use tally::Tally;
 pub use telling::Evaluated;
+use tilted::Tilted;
 
 /// The cycle in which a cylinder is evaluated.
 #[derive(Clone, Copy, Debug)]
@@ -100,6 +102,8 @@ pub struct Cylinder {
     last: LastOne,
     /// `None` where the velocity by the command is not known well enough, or costs more than it gives.
     reckoning: Option<Box<DeadReckoning>>,
+    /// What the deck's attitude finds of the only transducer.
+    tilted: Option<Tilted>,
     /// Virtual sensor; `None` where its estimates are not needed.
     sensor: Option<Box<VirtualSensor>>,
     estimated: Option<Estimate>,
@@ -149,6 +153,7 @@ impl Cylinder {
             precedence: Precedence::new(design.coincidence),
             last: LastOne::default(),
             reckoning: None,
+            tilted: None,
             sensor: None,
             estimated: None,
             critical: design.trip(),

@@ -4,7 +4,7 @@ use super::Monitor;
 use super::cylinder::Cylinder;
 use super::gate::Opening;
 use crate::decode::Value;
-use crate::hexapod::{Inclination, Tilt, TiltLeg};
+use crate::hexapod::{Inclination, Tilt, TiltChange, TiltLeg};
 use crate::time::Timestamp;
 
 impl Monitor {
@@ -13,7 +13,8 @@ impl Monitor {
         self.tilt.as_deref()
     }
 
-    /// Compares the deck's attitude at the end of a cycle, and tells the cylinders whose readings have parted.
+    /// Compares the deck's attitude at the end of a cycle, and tells the cylinders whose readings have parted, or whose only one
+    /// is off.
     #[inline]
     pub(super) fn follow_tilt(&mut self, at: Timestamp) {
         if self.tilt.is_some() {
@@ -31,11 +32,16 @@ impl Monitor {
             return;
         }
         let leg = |leg: usize| cylinders.get(leg).map_or(TiltLeg::default(), Cylinder::tilt_leg);
-        let evidence = tilt.step(&core::array::from_fn(leg));
-        for (cylinder, nats) in cylinders.iter_mut().zip(evidence) {
+        let judgement = tilt.step(&core::array::from_fn(leg));
+        for (cylinder, nats) in cylinders.iter_mut().zip(judgement.parted) {
             if let Some(nats) = nats {
                 cylinder.take_attitude_evidence(nats);
             }
+        }
+        match judgement.change {
+            Some(TiltChange::Moved(error)) => cylinders[error.leg].take_tilt_error(at, &error),
+            Some(TiltChange::Returned(leg)) => cylinders[leg].end_tilt_error(),
+            None => {}
         }
     }
 }

@@ -22,6 +22,8 @@ struct Rig {
     in_loop: bool,
     /// What the deck's sensor is taken to read instead.
     instead: Option<[f64; 2]>,
+    /// Whether the cylinders have no C2.
+    is_single: bool,
 }
 
 impl Rig {
@@ -34,7 +36,7 @@ impl Rig {
         };
         let hexapod = Hexapod::new(&GEOMETRY);
         let (tilt, errors) = (Tilt::new(&design), [[0.0; 2]; LEGS]);
-        Self { hexapod, tilt, cycle: 0, errors, in_loop: true, instead: None }
+        Self { hexapod, tilt, cycle: 0, errors, in_loop: true, instead: None, is_single: false }
     }
 
     /// A number between −1 and 1 that differs from cycle to cycle.
@@ -43,6 +45,10 @@ impl Rig {
     }
 
     fn step(&mut self) -> [Option<f64>; LEGS] {
+        self.judge().parted
+    }
+
+    fn judge(&mut self) -> TiltJudgement {
         let time = f64::from(self.cycle) * TS;
         let [roll, pitch] = [0.03 * libm::sin(0.8 * time), 0.02 * libm::sin(0.7 * time + 1.0)];
         let vessel = Pose::new([0.1 * libm::sin(0.9 * time), 0.0, 0.2], [roll, pitch, 0.01]);
@@ -64,13 +70,15 @@ impl Rig {
         ];
         angles.into_iter().for_each(|(which, angle)| assert!(self.tilt.put(which, angle)));
         self.cycle += 1;
-        let is_healthy = errors == [[0.0; 2]; LEGS];
+        let is_single = self.is_single;
+        let is_healthy = is_single || errors == [[0.0; 2]; LEGS];
         self.tilt.step(&core::array::from_fn(|leg| {
             let [c1, c2] = errors[leg];
-            let has_parted = errors[leg] != [0.0; 2];
+            let has_parted = !is_single && errors[leg] != [0.0; 2];
             TiltLeg {
                 length: Some(strokes[leg] + c1),
                 is_healthy,
+                is_single,
                 parted: has_parted.then_some(Some(c1 - c2)),
             }
         }))
@@ -79,6 +87,21 @@ impl Rig {
     fn work(mut self, seconds: f64) -> Self {
         (0..(seconds / TS) as u32).for_each(|_| assert_eq!(self.step(), [None; LEGS]));
         self
+    }
+
+    /// A machine whose cylinders have one transducer each, after so many seconds.
+    fn single(seconds: f64) -> Self {
+        Self { is_single: true, ..Self::new() }.work(seconds)
+    }
+
+    /// All that is found of single transducers while C1 of cylinders drift for some seconds, m/s: `(leg, rate)`.
+    fn changes(&mut self, drifts: &[(usize, f64)], seconds: f64) -> Vec<TiltChange> {
+        let mut changes = Vec::new();
+        for _ in 0..(seconds / TS) as u32 {
+            drifts.iter().for_each(|(leg, rate)| self.errors[*leg][0] += rate * TS);
+            changes.extend(self.judge().change);
+        }
+        changes
     }
 
     /// What is said of each cylinder after some seconds of these drifts, m/s: `(cylinder, transducer, rate)`.
@@ -141,11 +164,11 @@ fn a_sensor_that_is_frozen_or_gone_is_no_witness() {
     frozen.instead = Some([2e-3; 2]);
     assert_eq!(frozen.work(3.0).said(&[(0, 0, 1e-3)], 20.0), [None; LEGS]);
     let mut gone = Rig::new().work(60.0);
-    let leg = |parted| TiltLeg { length: Some(0.0), is_healthy: false, parted };
+    let leg = |parted| TiltLeg { length: Some(0.0), parted, ..TiltLeg::default() };
     for _ in 0..1000 {
         let mut legs = [leg(None); LEGS];
         legs[0] = leg(Some(Some(0.02)));
-        assert_eq!(gone.tilt.step(&legs), [None; LEGS]);
+        assert_eq!(gone.tilt.step(&legs), TiltJudgement::default());
     }
 }
 
@@ -177,6 +200,92 @@ fn an_angle_that_no_machine_has_is_not_taken() {
     for angle in [f64::NAN, f64::INFINITY, 2.0] {
         assert!(!rig.tilt.put(Inclination::TopRoll, angle), "{angle}");
     }
+}
+
+/// The legs that are named, each once in a row.
+fn named(changes: &[TiltChange]) -> Vec<usize> {
+    let leg = |change: &TiltChange| match change {
+        TiltChange::Moved(error) => Some(error.leg),
+        TiltChange::Returned(_) => None,
+    };
+    let mut legs: Vec<usize> = changes.iter().filter_map(leg).collect();
+    legs.dedup();
+    legs
+}
+
+#[test]
+fn a_single_transducer_that_drifts_is_found_by_the_direction_of_the_tilt() {
+    for leg in 0..LEGS {
+        for rate in [2e-3, -2e-3] {
+            for in_loop in [true, false] {
+                let mut rig = Rig { in_loop, ..Rig::single(90.0) };
+                let changes = rig.changes(&[(leg, rate)], 10.0);
+                assert_eq!(named(&changes), [leg], "{rate}, {in_loop}");
+                let [TiltChange::Moved(first), .., TiltChange::Moved(last)] = changes[..] else {
+                    panic!("{changes:?}");
+                };
+                assert!(first.apart >= 8.0 && first.size.abs() < 0.015, "{first:?}");
+                // The mean comes late by its time constant.
+                assert!((last.size - 8.0 * rate).abs() < 2.5e-3, "{last:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_has_stepped_stays_found_until_it_is_back() {
+    let mut rig = Rig::single(90.0);
+    rig.errors[3][0] = -0.014;
+    assert_eq!(named(&rig.changes(&[], 30.0)), [3]);
+    // Nothing is learnt from it, and the minutes do not make it usual.
+    let changes = rig.changes(&[], 900.0);
+    let is_right = |it: &TiltChange| matches!(it, TiltChange::Moved(error) if error.leg == 3 && (error.size + 0.014).abs() < 1e-3);
+    assert!(changes.len() > 8000 && changes.iter().all(is_right), "{:?}", changes.last());
+    rig.errors[3][0] = 0.0;
+    let changes = rig.changes(&[], 30.0);
+    assert_eq!(changes.last(), Some(&TiltChange::Returned(3)));
+    assert_eq!(rig.changes(&[], 60.0), []);
+}
+
+/// Roll alone and pitch alone lie midway between two legs, and so does a sensor that has come loose about one axis.
+#[test]
+fn a_tilt_that_no_single_leg_explains_names_nobody_and_becomes_usual() {
+    for off in [[8e-3, 0.0], [0.0, 8e-3]] {
+        let mut rig = Rig::single(90.0);
+        let mut changes = Vec::new();
+        for k in 0..(1000.0 / TS) as u32 {
+            let odd = 1e-4 * f64::from(k % 7);
+            rig.instead = Some([2e-3 + off[0] + odd, 2e-3 + off[1] - odd]);
+            changes.extend(rig.judge().change);
+        }
+        assert_eq!(changes, [], "{off:?}");
+        assert!(rig.tilt.departure.is_none() && rig.tilt.is_judging(), "it is the new usual tilt");
+    }
+}
+
+#[test]
+fn a_drift_that_is_learnt_away_is_not_found_and_what_is_healthy_is_not_either() {
+    assert_eq!(Rig::single(90.0).changes(&[(2, 2e-5)], 600.0), []);
+    assert_eq!(Rig::single(90.0).changes(&[], 1800.0), []);
+    // Before the usual tilt is known, and after it was forgotten.
+    assert_eq!(Rig::single(50.0).changes(&[(2, 2e-3)], 10.0), []);
+    let mut rig = Rig::single(90.0);
+    rig.tilt.forget();
+    assert_eq!(rig.changes(&[(2, 2e-3)], 10.0), []);
+}
+
+/// A cylinder with two transducers is never named, and what it would explain names nobody.
+#[test]
+fn only_cylinders_with_a_single_transducer_are_named() {
+    let slopes = [[0.1, 0.0], [0.0, 0.1], [0.1, 0.1], [0.1, -0.1], [0.05, 0.1], [0.1, 0.05]];
+    let departure = Departure::new(slopes);
+    let inverse = nalgebra::Matrix2::identity() * 1e8;
+    let explain = |single| {
+        let off = Vector2::new(0.0, -0.02);
+        departure.explain(&off, &inverse, single, &TiltParameters::DEFAULT)
+    };
+    assert!(explain([true; LEGS]).is_some_and(|it| it.leg == 1 && (it.size - 0.2).abs() < 1e-9));
+    assert_eq!(explain([true, false, true, true, true, true]), None);
 }
 
 /// The slopes by which a length tilts the deck, against the attitude of decks with that much longer a cylinder.

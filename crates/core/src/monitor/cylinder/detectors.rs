@@ -2,11 +2,9 @@
 
 use super::Cylinder;
 use crate::compare::Comparator;
-use crate::hexapod::TiltLeg;
 use crate::process::Process;
 use crate::sequential::{Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::Timestamp;
-use crate::verdict::Testimony;
 
 impl Cylinder {
     /// Reading on the stop in the newest cycle, returned once.
@@ -25,20 +23,6 @@ impl Cylinder {
     /// Cylinder number and sequential detector, if it has one.
     pub fn sequential(&self) -> Option<(u8, &Sequential)> {
         Some((self.design.number, self.sequential.as_deref()?))
-    }
-
-    /// What the deck's attitude is compared by in the newest cycle.
-    pub fn tilt_leg(&self) -> TiltLeg {
-        let parted = || self.sequential.as_deref().and_then(Sequential::residual);
-        let (is_doubted, has_parted) = self.doubts();
-        TiltLeg { length: self.length, is_healthy: !is_doubted, parted: has_parted.then(parted) }
-    }
-
-    /// Takes the evidence of whose reading has moved that the deck's attitude gives, nats.
-    pub fn take_attitude_evidence(&mut self, nats: f64) {
-        if let Some(sequential) = &mut self.sequential {
-            sequential.take_evidence(Testimony::Attitude, nats);
-        }
     }
 
     /// Process detector, if the cylinder has one.

@@ -23,6 +23,7 @@ impl Cylinder {
     pub(super) fn detects_anything(&self) -> bool {
         self.bank.any_found()
             || self.was_critical
+            || self.tilted.is_some()
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
             || self.process.as_ref().is_some_and(|process| process.alarm().is_some())
     }
@@ -152,8 +153,12 @@ impl Cylinder {
         })
     }
 
-    /// The finding of the sequential detector, where the deck's attitude has told whose it is.
+    /// What the deck's attitude finds of the only transducer, or the finding of the sequential detector, where the deck's
+    /// attitude has told whose it is.
     fn hexapod_finding(&self) -> Option<Finding> {
+        if self.tilted.is_some() {
+            return self.tilted_finding();
+        }
         let by = self.sequential.as_ref()?.alarm()?.by;
         self.sequential_finding().filter(|_| by == Some(Testimony::Attitude))
     }

@@ -31,9 +31,11 @@ impl Cylinder {
             let enough = count >= self.design.observers[i].settle.max(1);
             enough && healthy.is_some_and(|it| (it - mean).abs() <= self.design.bank.observer.high)
         };
-        let latched = |i: usize| self.last.is_latched(i);
-        if self.last.any_latched() && (0..2).all(|i| !latched(i) || agrees(i)) {
+        // The deck's attitude finds an error of C1.
+        let is_out = |i: usize| self.last.is_latched(i) || i == 0 && self.tilted.is_some();
+        if (0..2).any(is_out) && (0..2).all(|i| !is_out(i) || agrees(i)) {
             self.last.release();
+            self.end_tilt_error();
         }
     }
 
