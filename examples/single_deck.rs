@@ -30,7 +30,9 @@ const STRETCH: f64 = 1800.0;
 const SEAS: [[f64; 2]; 2] = [[2.5, 8.0], [1.5, 11.0]];
 
 /// Shapes, their key, and its value, m/s or m.
-const CASES: [(&str, &str, f64); 8] = [
+const CASES: [(&str, &str, f64); 10] = [
+    ("drift", "rate", 0.02e-3),
+    ("drift", "rate", 0.05e-3),
     ("drift", "rate", 0.1e-3),
     ("drift", "rate", 0.2e-3),
     ("drift", "rate", 0.5e-3),
@@ -132,7 +134,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let ends = [at.get(at.len() / 2), at.last()]
             .map(|it| it.map_or(String::new(), |it| format!("{it:.1}")));
         println!(
-            "{shape:5} {:5.1} mm       {right:5}  {wrong:5} {none:5}  {}",
+            "{shape:5} {:5.2} mm       {right:5}  {wrong:5} {none:5}  {}",
             value * 1e3,
             ends.join(" ")
         );

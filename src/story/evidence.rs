@@ -170,7 +170,7 @@ fn tilted(part: &Part) -> Observation {
     let nats = part.finding.evidence.and_then(|it| it.location);
     let nats = nats.map_or(String::new(), |it| format!(" ({it:.0} nats)"));
     let clause =
-        format!("the deck stood as if C1 were off{size}, and as no other cylinder explains{nats}");
+        format!("the deck stood as if C1 were off{size}, as no other cylinder explains{nats}");
     Observation::new(part.raised, clause)
 }
 

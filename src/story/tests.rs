@@ -49,18 +49,24 @@ fn told(suspect: Suspect, by: Testimony) -> Incident {
 
 /// The incident of a warning of FDE1 about a cylinder without C2.
 fn alone(suspect: Suspect, fault: Fault) -> Incident {
+    let finding = Finding { fault, residual: Some(1.2e-3), ..finding(suspect, None) };
+    alone_by(WarningPlace::Fde1, finding, 1.2e-3)
+}
+
+/// The incident of a finding about a cylinder without C2, with that R1, m.
+fn alone_by(place: WarningPlace, finding: Finding, r1: f64) -> Incident {
     let limits = [1e-3, f64::INFINITY, f64::INFINITY, f64::INFINITY];
     let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3], CYCLE);
     incidents.take(&Warning {
         timestamp: at(1.0),
         cylinder: 3,
-        detector: Detector::Fde1,
-        place: WarningPlace::Fde1 as usize,
+        detector: crate::alarm::detector::DETECTORS[place as usize],
+        place: place as usize,
         state: State::Raised,
-        finding: Finding { fault, residual: Some(1.2e-3), ..finding(suspect, None) },
+        finding,
     });
     let mut newest = None;
-    let quantities = [Some(1.2e-3), None, None, None];
+    let quantities = [Some(r1), None, None, None];
     for seconds in [1.0, 1.5] {
         incidents.follow(2, [at(seconds); 2], &quantities, |it| newest = Some(*it));
     }
@@ -101,6 +107,19 @@ fn nothing_is_compared_on_a_cylinder_without_c2() {
         assert!(!all.contains("C2") && !all.contains("difference"), "{all}");
         assert!(!all.contains("neither") && !all.contains("which of the two"), "{all}");
     }
+}
+
+#[test]
+fn what_the_deck_says_of_a_single_transducer_is_evidence_of_its_own() {
+    let of_deck = finding(Suspect::C1, Some(Testimony::Attitude));
+    let of_deck = Finding { residual: Some(-9.5e-3), ..of_deck };
+    let incident = alone_by(WarningPlace::Hexapod, of_deck, 0.2e-3);
+    let told = evidence(&incident);
+    let expected = "the deck stood as if C1 were off by 9.50 mm, as no other cylinder explains (9 nats); C1's observer \
+                    stayed quiet (0.20 mm of 1.00 mm); so it is C1";
+    assert_eq!(told, expected);
+    assert_eq!((incident.suspect, incident.fault), (Suspect::C1, Fault::Incipient));
+    assert_eq!((incident.onset, incident.size), (at(0.0), Some(-9.5e-3)));
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub fn describe(machine: &Machine) -> String {
         format!("; not for {which}, which {has} no sequential detector to find a drift first")
     });
     let single = without(false).map_or(String::new(), |(which, has)| {
-        format!("; it finds an error of C1 of {which}, which {has} no C2, by itself")
+        format!("; by itself it finds an error of C1 of {which}, which {has} no C2")
     });
     format!(
         "\nhexapod: the deck's attitude names the reading that has moved, by {} (accuracy {:.3}°){blind}{single}\n",

@@ -66,8 +66,8 @@ detectors! {
     /// The evidence of many samples together.
     Sequential = 5, "sequential", "sequential", Basis::Samples, [Sequential];
     /// The deck's attitude by the lengths of all cylinders, beside a sensor on it: it names the reading that has moved
-    /// where the sequential detector has found that one has. Without such a sensor it is never raised, and Fd_Warning only
-    /// keeps its number.
+    /// where the sequential detector has found that one has, and finds an error of C1 by itself where there is no C2.
+    /// Without such a sensor it is never raised, and Fd_Warning only keeps its number.
     Hexapod = 6, "hexapod", "hexapod", Basis::Lengths, [Hexapod];
     /// Valve, pressures and supply, by what spool and pressures say of each other.
     Process = 7, "process", "process", Basis::Samples, [Process];
