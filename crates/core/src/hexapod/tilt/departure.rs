@@ -8,6 +8,7 @@ use super::super::{LEGS, TiltParameters};
 use super::comparison::{Comparison, are_finite};
 use super::{Tilt, TiltLeg};
 use crate::state::whole;
+use core::f64::consts::SQRT_2;
 use nalgebra::{Matrix2, Vector2};
 
 /// What the tilt has changed to on a cylinder with a single transducer.
@@ -150,7 +151,9 @@ impl Tilt {
             return None;
         }
         let since = f64::from(departure.cycles) * self.counts.sample_time;
-        let inverse = healthy.inverse(self.accuracy, &tilts, since, by)?;
+        // The usual tilt is no longer followed, so the sensor's error of then counts as well: a drift of 0.05 mm/s named a healthy
+        // cylinder without it.
+        let inverse = healthy.inverse(SQRT_2 * self.accuracy, &tilts, since, by)?;
         let explained = departure.explain(&off, &inverse, legs.map(|leg| leg.is_single), by);
         let lasted = departure.last(explained.map(|it| it.leg), cycles);
         let error = explained.filter(|_| lasted >= self.counts.confirmed)?;

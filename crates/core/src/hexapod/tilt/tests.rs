@@ -224,7 +224,7 @@ fn a_single_transducer_that_drifts_is_found_by_the_direction_of_the_tilt() {
                 let [TiltChange::Moved(first), .., TiltChange::Moved(last)] = changes[..] else {
                     panic!("{changes:?}");
                 };
-                assert!(first.apart >= 8.0 && first.size.abs() < 0.015, "{first:?}");
+                assert!(first.apart >= 8.0 && first.size.abs() < 0.018, "{first:?}");
                 // The mean comes late by its time constant.
                 assert!((last.size - 8.0 * rate).abs() < 2.5e-3, "{last:?}");
             }
@@ -235,11 +235,11 @@ fn a_single_transducer_that_drifts_is_found_by_the_direction_of_the_tilt() {
 #[test]
 fn what_has_stepped_stays_found_until_it_is_back() {
     let mut rig = Rig::single(90.0);
-    rig.errors[3][0] = -0.014;
+    rig.errors[3][0] = -0.02;
     assert_eq!(named(&rig.changes(&[], 30.0)), [3]);
     // Nothing is learnt from it, and the minutes do not make it usual.
     let changes = rig.changes(&[], 900.0);
-    let is_right = |it: &TiltChange| matches!(it, TiltChange::Moved(error) if error.leg == 3 && (error.size + 0.014).abs() < 1e-3);
+    let is_right = |it: &TiltChange| matches!(it, TiltChange::Moved(error) if error.leg == 3 && (error.size + 0.02).abs() < 1e-3);
     assert!(changes.len() > 8000 && changes.iter().all(is_right), "{:?}", changes.last());
     rig.errors[3][0] = 0.0;
     let changes = rig.changes(&[], 30.0);
