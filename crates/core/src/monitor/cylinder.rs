@@ -100,7 +100,7 @@ pub struct Cylinder {
     agreement: Agreement,
     precedence: Precedence,
     last: LastOne,
-    /// `None` where the velocity by the command is not known well enough, or costs more than it gives.
+    /// `None` where there are two transducers and no drive was learnt.
     reckoning: Option<Box<DeadReckoning>>,
     /// What the deck's attitude finds of the only transducer.
     tilted: Option<Tilted>,
@@ -273,9 +273,6 @@ impl Cylinder {
             self.judge_process(now, good);
         }
         self.judge_precedence();
-        if self.reckoning.is_some() {
-            self.reckon(now, good, command);
-        }
         let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();
         let finds = self.judge_last(is_odd, now, &residuals, good, command);
         if self.sensor.is_some() {
@@ -304,7 +301,8 @@ impl Cylinder {
         now: Evaluation,
     ) -> Followed {
         if !self.has(TRANSDUCERS[I]) {
-            return Followed::default();
+            // The only reading that is left is supervised in every cycle.
+            return Followed { is_odd: true, ..Followed::default() };
         }
         let reading = readings[I].as_ref();
         let (is_good, is_odd) = self.check(I, readings, now);

@@ -8,7 +8,6 @@ use super::super::{LEGS, TiltParameters};
 use super::comparison::{Comparison, are_finite};
 use super::{Tilt, TiltLeg};
 use crate::state::whole;
-use core::f64::consts::SQRT_2;
 use nalgebra::{Matrix2, Vector2};
 
 /// What the tilt has changed to on a cylinder with a single transducer.
@@ -151,9 +150,10 @@ impl Tilt {
             return None;
         }
         let since = f64::from(departure.cycles) * self.counts.sample_time;
-        // The usual tilt is no longer followed, so the sensor's error of then counts as well: a drift of 0.05 mm/s named a healthy
-        // cylinder without it.
-        let inverse = healthy.inverse(SQRT_2 * self.accuracy, &tilts, since, by)?;
+        // The usual tilt is no longer followed, and the sensor's error of then comes to count as well: without it a drift of
+        // 0.05 mm/s named a healthy cylinder.
+        let accuracy = self.accuracy * libm::sqrt(1.0 + (since / by.healthy).min(1.0));
+        let inverse = healthy.inverse(accuracy, &tilts, since, by)?;
         let explained = departure.explain(&off, &inverse, legs.map(|leg| leg.is_single), by);
         let lasted = departure.last(explained.map(|it| it.leg), cycles);
         let error = explained.filter(|_| lasted >= self.counts.confirmed)?;

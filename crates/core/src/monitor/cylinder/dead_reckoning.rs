@@ -9,7 +9,7 @@ use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::estimate::mean::Mean;
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Measurement, ObserverDesign};
-use crate::sequential::Pair;
+use crate::sequential::{Pair, Sequential};
 use crate::state::{state, whole};
 use crate::time;
 use crate::verdict::VerdictParameters;
@@ -169,7 +169,7 @@ impl DeadReckoning {
     /// Takes that the errors so far are none of a transducer.
     fn forget(&mut self) {
         self.pause();
-        (self.held, self.calm) = (0, 0);
+        (self.held, self.calm, self.cycles) = (0, 0, 0);
     }
 
     /// Takes the readings of a cycle, m, and the velocity until the next one, m/s. Returns whether a tick is due.
@@ -207,7 +207,9 @@ impl DeadReckoning {
             }
             let since = (self.next + HELD - ticks) % HELD;
             let error = self.courses[i].error - self.courses[i].errors[since];
-            let limit = self.limit(window, self.distance - self.distances[since], bounds);
+            let gone = self.distance - self.distances[since];
+            // Beside another reading nothing is learnt while a transducer is at fault, and no error has to be bounded.
+            let limit = alone.and_then(|_| self.limit(window, gone, bounds));
             let most = limit.unwrap_or(f64::INFINITY);
             if self.calm as usize > ticks {
                 // A drift of an only transducer would be usual before it is found.
@@ -231,7 +233,7 @@ impl DeadReckoning {
             self.courses[i].beyond = beyond;
         }
         self.push();
-        found.filter(|_| alone.is_some())
+        found
     }
 
     /// What the error in a window may be in which the rod has `gone` so far, m; `None` where it is not known.
@@ -268,49 +270,59 @@ impl Cylinder {
         (is_driven || is_single).then(|| DeadReckoning::new(sample_time, parameters))
     }
 
-    /// Compares the readings of a cycle with dead reckoning. A last transducer that departs from it is latched.
-    #[inline(never)]
-    pub(super) fn reckon(
+    /// Takes the readings of a cycle where the drive has given the velocity.
+    #[inline]
+    pub(super) fn reckon_by_drive(&mut self, good: [Option<Measurement>; 2]) {
+        let sequential = self.sequential.as_deref();
+        self.reckon(good, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
+    }
+
+    /// The same of a cylinder with one transducer, by the model alone.
+    pub(super) fn reckon_by_model(
         &mut self,
         now: Evaluation,
         good: [Option<Measurement>; 2],
         command: Option<f64>,
     ) {
-        let is_open = now.gate == Opening::Open
-            && self.command_missing < self.design.command_stale
+        let is_open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
+        let Some(reckoning) = &mut self.reckoning else { return };
+        if !is_open {
+            reckoning.model = FreeModel::new(reckoning.settling);
+        }
+        let by = &self.design.observers[0];
+        let length = good[0].or(good[1]).filter(|_| is_open);
+        let velocity = length.and_then(|it| reckoning.model.step(by, it.position, command));
+        self.reckon(good, velocity);
+    }
+
+    #[inline]
+    fn reckon(&mut self, good: [Option<Measurement>; 2], velocity: Option<f64>) {
+        let length = good[0].or(good[1]).map(|it| it.position);
+        // The curve of a drive was not learnt beyond its lesson: in a sea of 3 m it was off by three times the most of
+        // one of 2 m. And a stop holds the rod, however it is commanded.
+        let is_known = !self.commands.is_beyond()
+            && !length.is_some_and(|it| self.is_near_end(it))
             && !self.has_idle_valve();
-        let is_explained = self.process.as_deref().is_some_and(|it| it.alarm().is_some());
+        let Some(reckoning) = &mut self.reckoning else { return };
         let readings = good.map(|it| it.map(|it| it.position));
-        // A stop holds the rod, however it is commanded.
-        let may_be_held = readings.into_iter().flatten().any(|it| self.is_near_end(it));
-        let Some(mut reckoning) = self.reckoning.take() else { return };
+        if reckoning.step(readings, velocity.filter(|_| is_known)) {
+            self.judge_reckoning();
+        }
+    }
+
+    /// Judges a last transducer at a tick, and latches one that departs from dead reckoning.
+    #[inline(never)]
+    fn judge_reckoning(&mut self) {
+        let parameters = self.design.bank.parameters;
+        let bounds = Bounds { parameters, least: parameters.reckoned_least * self.design.critical };
+        let is_explained = self.process.as_deref().is_some_and(|it| it.alarm().is_some());
+        let (alone, is_calm) = (self.alone(), !self.finds_anything());
+        let Some(reckoning) = &mut self.reckoning else { return };
         if is_explained {
             reckoning.forget();
-        } else if !is_open {
-            reckoning.pause();
-            reckoning.model = FreeModel::new(reckoning.settling);
-        } else {
-            let velocity = match self.sequential.as_deref() {
-                Some(sequential) => sequential.pair().and_then(Pair::velocity),
-                None => readings[0].or(readings[1]).and_then(|length| {
-                    reckoning.model.step(&self.design.observers[0], length, command)
-                }),
-            };
-            // Its curve was not learnt so far: in a sea of 3 m it was off by three times the most of one of 2 m.
-            let velocity = velocity.filter(|_| !self.commands.is_beyond() && !may_be_held);
-            if reckoning.step(readings, velocity) {
-                let bounds = Bounds {
-                    parameters: self.design.bank.parameters,
-                    least: self.design.bank.parameters.reckoned_least * self.design.critical,
-                };
-                let alone = self.alone();
-                let found = reckoning.judge(alone, !self.finds_anything(), bounds);
-                if let Some((i, departure)) = alone.zip(found) {
-                    self.latch_departure(i, departure);
-                }
-            }
+        } else if let Some((i, departure)) = alone.zip(reckoning.judge(alone, is_calm, bounds)) {
+            self.latch_departure(i, departure);
         }
-        self.reckoning = Some(reckoning);
     }
 }
 

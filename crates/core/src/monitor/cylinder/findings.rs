@@ -14,6 +14,7 @@ impl Cylinder {
     pub fn finds_anything(&self) -> bool {
         self.detects_anything()
             || self.last.any_latched()
+            || self.tilted.is_some()
             || self.plausibility.iter().any(|it| it.quality() == Quality::Doubtful)
             || self.implausible.iter().any(Implausible::raised)
     }
@@ -23,7 +24,6 @@ impl Cylinder {
     pub(super) fn detects_anything(&self) -> bool {
         self.bank.any_found()
             || self.was_critical
-            || self.tilted.is_some()
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
             || self.process.as_ref().is_some_and(|process| process.alarm().is_some())
     }

@@ -194,6 +194,9 @@ impl Cylinder {
             at_stop: now.at_stop,
         });
         self.tally.sequential.get_or_insert_default().count(sequential.unknown());
+        if self.reckoning.is_some() {
+            self.reckon_by_drive(good);
+        }
     }
 
     /// Whether C1 and C2 agree with each other while an observer disagrees with one of them.

@@ -17,8 +17,8 @@ use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
 use crate::observe::observer::Measurement;
-use crate::sample::Quality;
 use crate::sample::plausibility::NOWHERE;
+use crate::sample::{Quality, Transducer};
 use crate::state::whole;
 use crate::time;
 use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
@@ -169,6 +169,9 @@ impl Cylinder {
         good: [Option<Measurement>; 2],
         command: Option<f64>,
     ) -> bool {
+        if !self.has(Transducer::C2) {
+            self.reckon_by_model(now, good, command);
+        }
         let finds = self.finds_anything();
         if finds {
             self.doubt_last(residuals, good);
