@@ -297,11 +297,10 @@ impl Cylinder {
 
     #[inline]
     fn reckon(&mut self, good: [Option<Measurement>; 2], velocity: Option<f64>) {
-        let length = good[0].or(good[1]).map(|it| it.position);
         // The curve of a drive was not learnt beyond its lesson: in a sea of 3 m it was off by three times the most of
-        // one of 2 m. And a stop holds the rod, however it is commanded.
+        // one of 2 m. And a stop holds the rod, however it is commanded, whichever reading shows that it is there.
         let is_known = !self.commands.is_beyond()
-            && !length.is_some_and(|it| self.is_near_end(it))
+            && !good.iter().flatten().any(|it| self.is_near_end(it.position))
             && !self.has_idle_valve();
         let Some(reckoning) = &mut self.reckoning else { return };
         let readings = good.map(|it| it.map(|it| it.position));
