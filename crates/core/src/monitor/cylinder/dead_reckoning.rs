@@ -22,7 +22,7 @@ const HELD: usize = 1 << (WINDOWS - 1);
 
 /// What a reading has departed by from dead reckoning.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Departure {
+pub struct CourseError {
     /// m, signed.
     pub error: f64,
     /// What it was compared with, m.
@@ -195,7 +195,7 @@ impl DeadReckoning {
         alone: Option<usize>,
         is_calm: bool,
         bounds: Bounds<'_>,
-    ) -> Option<Departure> {
+    ) -> Option<CourseError> {
         self.cycles = 0;
         self.calm = if is_calm { self.calm.saturating_add(1) } else { 0 };
         let i = alone.unwrap_or_else(|| usize::from(self.courses[0].reading.is_none()));
@@ -220,7 +220,7 @@ impl DeadReckoning {
             beyond[side] |= u8::from(is_beyond) << window;
             // A wild reading at a tick is beyond it once in each direction.
             if is_beyond && self.courses[i].beyond[side] & beyond[side] != 0 {
-                found = Some(Departure { error, limit: most });
+                found = Some(CourseError { error, limit: most });
             }
         }
         let before = (self.next + HELD - 1) % HELD;
@@ -326,113 +326,4 @@ impl Cylinder {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const PARAMETERS: VerdictParameters = VerdictParameters::DEFAULT;
-    const BOUNDS: Bounds<'_> = Bounds { parameters: &PARAMETERS, least: 0.01 };
-
-    /// A rod in a swell of 10 s, of which dead reckoning does not know a part of the speed.
-    struct Swell {
-        reckoning: DeadReckoning,
-        length: f64,
-        cycle: u32,
-        unknown: f64,
-    }
-
-    impl Swell {
-        fn new(unknown: f64) -> Self {
-            let reckoning = DeadReckoning::new(0.02, &PARAMETERS);
-            Self { reckoning, length: 0.0, cycle: 0, unknown }
-        }
-
-        /// So many seconds with an error of the reading; returns when it was found, s, and what.
-        fn go(
-            &mut self,
-            seconds: f64,
-            alone: Option<usize>,
-            error: impl Fn(f64) -> f64,
-        ) -> Option<(f64, Departure)> {
-            let mut found = None;
-            for k in 0..(seconds / 0.02) as u32 {
-                let angle = f64::from(self.cycle) * 0.02 * core::f64::consts::TAU / 10.0;
-                let (velocity, after) = (0.2 * angle.cos(), 0.02 * f64::from(k));
-                let readings = [Some(self.length + error(after)); 2];
-                if self.reckoning.step(readings, Some(velocity)) {
-                    let departure = self.reckoning.judge(alone, alone.is_none(), BOUNDS);
-                    found = found.or(departure.map(|it| (after, it)));
-                }
-                self.length += 0.02 * (velocity * (1.0 + self.unknown));
-                self.cycle += 1;
-            }
-            found
-        }
-    }
-
-    #[test]
-    fn a_drift_of_the_last_transducer_departs_from_it() {
-        for (rate, latest) in [(0.05, 1.1), (-0.02, 2.1), (0.004, 6.1)] {
-            let mut swell = Swell::new(0.01);
-            assert_eq!(swell.go(600.0, None, |_| 0.0), None);
-            let (after, departure) = swell.go(60.0, Some(1), |t| rate * t).expect("it is found");
-            assert!(after < latest, "{rate}: {after}");
-            let (error, so_far) = (departure.error, rate * after);
-            assert!((error - so_far).abs() < 0.5 * so_far.abs(), "{rate}: {error} of {so_far}");
-        }
-    }
-
-    #[test]
-    fn what_is_usual_is_none_however_much_faster_the_rod_goes() {
-        let mut swell = Swell::new(0.02);
-        assert_eq!(swell.go(600.0, None, |_| 0.0), None);
-        assert_eq!(swell.go(600.0, Some(0), |_| 0.0), None);
-        let (mut length, mut found) = (swell.length, None);
-        for k in 0..30_000_u32 {
-            let velocity = 1.2 * (f64::from(k) * 0.02 * core::f64::consts::TAU / 10.0).cos();
-            if swell.reckoning.step([Some(length), None], Some(velocity)) {
-                found = found.or(swell.reckoning.judge(Some(0), false, BOUNDS));
-            }
-            length += 0.02 * velocity * 1.02;
-        }
-        assert_eq!(found, None);
-    }
-
-    #[test]
-    fn a_wild_reading_at_a_tick_is_none() {
-        let mut swell = Swell::new(0.01);
-        assert_eq!(swell.go(600.0, None, |_| 0.0), None);
-        // The reading of each 24th cycle ends a tick.
-        let wild = |t: f64| f64::from(u8::from((t - 10.48).abs() < 1e-6)) * 0.3;
-        assert_eq!(swell.go(120.0, Some(0), wild), None);
-        let lasting = |t: f64| f64::from(u8::from((10.48..11.0).contains(&t))) * 0.3;
-        assert!(swell.go(120.0, Some(0), lasting).is_some(), "the same for two ticks");
-    }
-
-    /// What was not learnt is not judged, and what moves while the way is not known is no error.
-    #[test]
-    fn without_lessons_or_a_way_nothing_is_found() {
-        let mut swell = Swell::new(0.01);
-        assert_eq!(swell.go(600.0, Some(0), |t| 0.05 * t), None);
-        let mut swell = Swell::new(0.01);
-        assert_eq!(swell.go(600.0, None, |_| 0.0), None);
-        swell.reckoning.pause();
-        swell.length += 0.7;
-        assert_eq!(swell.go(60.0, Some(0), |_| 0.0), None);
-    }
-
-    /// The model goes as fast as it is told, and is not used before nothing is left of its beginning.
-    #[test]
-    fn the_model_alone_follows_its_command() {
-        use crate::observe::model::Model;
-        let theta = [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023];
-        let model = Model::new(0.02, theta, [0.0926, 6.5427]);
-        let design = ObserverDesign::new(&model, [1e-8, 1e-3, 100.0], [1e-8; 2], false, 50, 5);
-        let design = design.expect("there is a gain");
-        let mut free = FreeModel::new(1500);
-        let speeds: Vec<_> =
-            (0..3000).map(|k| free.step(&design, 0.0, (k % 2 == 0).then_some(0.3))).collect();
-        assert_eq!(speeds.iter().position(Option::is_some), Some(1499));
-        let last = speeds[2999].expect("it has settled");
-        assert!((last - 0.3 * model.velocity_gain().expect("it settles")).abs() < 0.01, "{last}");
-    }
-}
+mod tests;

@@ -12,7 +12,7 @@ mod displacement;
 mod stop;
 mod usual;
 
-use super::dead_reckoning::Departure;
+use super::dead_reckoning::CourseError;
 use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
@@ -324,8 +324,8 @@ impl Cylinder {
     /// Latches transducer `i`, which departs from dead reckoning. A cylinder that does not do what it is told departs
     /// as well, but for what the oil explains; either way nothing is left to rely on.
     #[cold]
-    pub(super) fn latch_departure(&mut self, i: usize, departure: Departure) {
-        let Departure { error: residual, limit: threshold } = departure;
+    pub(super) fn latch_departure(&mut self, i: usize, departure: CourseError) {
+        let CourseError { error: residual, limit: threshold } = departure;
         self.last.of[i].latch = Some(Latch { fault: Fault::Incipient, residual, threshold });
         self.last.is_attended = true;
     }
