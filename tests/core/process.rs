@@ -225,17 +225,39 @@ fn pressures_that_are_off_everywhere_are_the_supply_s() {
     assert!(of_process(&four).iter().all(|it| it.finding.fault == Kind::PressureSensor));
 }
 
-/// The controller follows a C1 that drifts until the end of the rod's way holds it. C2, which stands there as the rod does,
-/// has only C1 against it, which was apart from it before.
-#[test]
-fn a_rod_that_a_drifting_c1_has_driven_to_its_end_is_no_frozen_c2() {
+/// The machine with what was taught of it, and with sequential detectors.
+fn beside_sequential() -> MonitorDesign {
     let mut settings = setup().settings.clone();
     settings.process.supply.clone_from(&TAUGHT.settings.process.supply);
     for own in &mut settings.cylinder {
         let taught = TAUGHT.settings.cylinder.iter().find(|it| it.n == own.n);
         own.process = taught.and_then(|it| it.process.clone());
     }
-    let design = design::judging(&settings, &TAUGHT.database).expect("they fit");
+    design::judging(&settings, &TAUGHT.database).expect("they fit")
+}
+
+/// The rod of a valve that does not follow its command departs from dead reckoning, as a reading that drifts would.
+#[test]
+fn a_valve_beside_its_command_is_no_drift_of_the_transducer_that_is_left() {
+    let faults = [
+        "loss,cylinder=2,sensor=c1,at=150,probability=1",
+        "spool_offset,cylinder=2,at=170,size=0.06",
+        "loss,cylinder=5,sensor=c1,at=151,probability=1",
+        "drift,cylinder=5,sensor=c2,at=170,rate=0.04",
+    ];
+    let warnings = TAUGHT.by_design(beside_sequential(), 31, &faults, 220.0);
+    let blames = |n: u8, suspect| {
+        warnings.iter().any(|it| it.cylinder == n && it.finding.suspect == suspect)
+    };
+    assert!(blames(2, Suspect::Process) && !blames(2, Suspect::C2), "{warnings:?}");
+    assert!(blames(5, Suspect::C2), "a drift is found on the same machine");
+}
+
+/// The controller follows a C1 that drifts until the end of the rod's way holds it. C2, which stands there as the rod does,
+/// has only C1 against it, which was apart from it before.
+#[test]
+fn a_rod_that_a_drifting_c1_has_driven_to_its_end_is_no_frozen_c2() {
+    let design = beside_sequential();
     let faults = [
         "drift,cylinder=2,at=40,rate=0.012",
         "drift,cylinder=5,at=40,rate=-0.012",

@@ -1,4 +1,4 @@
-//! The studies of the last transducer in `evaluate`.
+//! The last transducer of a cylinder: its studies in `evaluate`, and its drifts by what was learnt.
 
 use crate::yard::{Yard, tertius};
 use serde_json::Value;
@@ -21,16 +21,33 @@ fn both_studies_give_the_same_bytes_on_any_number_of_threads() {
     }
 }
 
-/// Where the last transducer of each cylinder was named first, s since the first frame.
-fn named(log: &str, config: &str, transducer: &str) -> Vec<Option<f64>> {
-    let run = tertius(&["replay", log, "--config", config, "--format", "jsonl"]);
+/// Injects `faults` into a recording, and asserts that cylinders 1 to 4 have their `transducer` named within so many seconds
+/// after their faults `begin`, and the others not at all.
+fn assert_found(
+    (yard, config): (&Yard, &str),
+    faults: &[String],
+    transducer: &str,
+    begin: fn(u32) -> f64,
+    within: f64,
+) {
+    let log = yard.simulate("healthy.log", ["1.5,7", "32"], 520, &[]);
+    let faults: Vec<_> = faults.iter().map(String::as_str).collect();
+    let log = yard.inject(&log, "faulty.log", &faults);
+    let run = tertius(&["replay", &log, "--config", config, "--format", "jsonl"]);
     let records = run.stdout.lines().map(|it| serde_json::from_str::<Value>(it).expect("JSON"));
     let warnings: Vec<_> = records
-        .filter(|it| it["type"] == "warning" && it["suspect"] == transducer)
-        .filter(|it| it["state"] == "raised")
+        .filter(|it| it["type"] == "warning" && it["state"] == "raised")
+        .filter(|it| it["suspect"] == transducer)
         .collect();
-    let of = |n: u64| warnings.iter().find(|it| it["cylinder"] == n);
-    (1..=6).map(|n| Some(of(n)?["t"].as_f64().expect("a time"))).collect()
+    for n in 1..=6 {
+        let first = warnings.iter().find(|it| it["cylinder"] == n);
+        let after = first.map(|it| it["t"].as_f64().expect("a time") - begin(n));
+        let is_right = match after {
+            Some(after) => n <= 4 && (0.0..within).contains(&after),
+            None => n > 4,
+        };
+        assert!(is_right, "cylinder {n}: {after:?} s");
+    }
 }
 
 /// An observer follows a drift: those of 40 mm/s went on until the reading left its range.
@@ -40,25 +57,14 @@ fn a_drift_of_the_last_transducer_is_found_by_dead_reckoning() {
     let config = yard.path("config.toml");
     let lesson = yard.simulate("lesson.log", ["1.5,7", "31"], 700, &[]);
     tertius(&["calibrate", &lesson, "--config", &config, "--into", &config]).ok();
-    let log = yard.simulate("healthy.log", ["1.5,7", "32"], 520, &[]);
     let begin = |n: u32| 330.0 + 10.0 * f64::from(n);
     let lost = |n: u32| format!("loss,cylinder={n},sensor=c1,at={},probability=1", begin(n) - 25.0);
     let drift = |n: u32| format!("drift,cylinder={n},sensor=c2,at={},rate=0.04", begin(n));
     let faults: Vec<_> = (1..=6).map(lost).chain((1..=4).map(drift)).collect();
-    let faults: Vec<_> = faults.iter().map(String::as_str).collect();
-    let found = named(&yard.inject(&log, "faulty.log", &faults), &config, "c2");
-    for (n, at) in (1..=6).zip(&found) {
-        let after = at.map(|at| at - begin(n));
-        let is_right = if n <= 4 {
-            after.is_some_and(|after| (0.0..3.0).contains(&after))
-        } else {
-            after.is_none()
-        };
-        assert!(is_right, "cylinder {n}: {after:?} s");
-    }
+    assert_found((&yard, &config), &faults, "c2", begin, 3.0);
 }
 
-/// Without a second transducer no drive is learnt, and the model itself is reckoned by.
+/// Without a second transducer no drive is learnt, and the model itself gives the velocity.
 #[test]
 fn a_fast_drift_of_an_only_transducer_is_found_by_the_model() {
     let yard = Yard::new();
@@ -67,18 +73,8 @@ fn a_fast_drift_of_an_only_transducer_is_found_by_the_model() {
     let config = yard.0.write("alone.toml", alone.collect::<String>());
     let lesson = yard.simulate("lesson.log", ["1.5,7", "31"], 700, &[]);
     tertius(&["identify", &lesson, "--config", &config, "--into", &config]).ok();
-    let log = yard.simulate("healthy.log", ["1.5,7", "32"], 520, &[]);
-    let drift = |n: u32| format!("drift,cylinder={n},sensor=c1,at={},rate=0.045", 380 + 10 * n);
+    let begin = |n: u32| 380.0 + 10.0 * f64::from(n);
+    let drift = |n: u32| format!("drift,cylinder={n},sensor=c1,at={},rate=0.045", begin(n));
     let faults: Vec<_> = (1..=4).map(drift).collect();
-    let faults: Vec<_> = faults.iter().map(String::as_str).collect();
-    let found = named(&yard.inject(&log, "faulty.log", &faults), &config, "c1");
-    for (n, at) in (1..=6).zip(&found) {
-        let after = at.map(|at| at - f64::from(380 + 10 * n));
-        let is_right = if n <= 4 {
-            after.is_some_and(|after| (0.0..12.0).contains(&after))
-        } else {
-            after.is_none()
-        };
-        assert!(is_right, "cylinder {n}: {after:?} s");
-    }
+    assert_found((&yard, &config), &faults, "c1", begin, 12.0);
 }

@@ -9,8 +9,8 @@
 //! those whose C1 it was, and Q = (e − Σh)ᵀ S⁻¹ (e − Σh) how badly it fits. The log-likelihood of a cylinder's C1 less
 //! that of its C2 is half of what the best explanation without it fits worse than the best one with it.
 //!
-//! A cylinder with a single transducer has nothing that could part, so there a tilt that departs from the usual one is a
-//! finding by itself, and its direction identifies the cylinder ([`TiltChange`]).
+//! A cylinder with a single transducer has nothing that could part. There a tilt that departs from the usual one is a
+//! finding, and its direction identifies the cylinder ([`TiltChange`]).
 //!
 //! Without the sensor there is no such evidence: a controller that follows C1 holds the deck level by C1, whoever is
 //! wrong.

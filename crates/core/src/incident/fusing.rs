@@ -1,7 +1,8 @@
 //! What the detectors say together.
 //!
-//! Facts about a reading come first, then on a cylinder without C2 the deck's attitude, then the evidence of many samples, then the difference, then spool and pressures,
-//! then the observers in the order in which they were raised. A detector that has not decided says nothing here.
+//! Facts about a reading come first, then on a cylinder without C2 the deck's attitude, then the evidence of many samples,
+//! then the difference, then spool and pressures, then the observers in the order in which they were raised. A detector
+//! that has not decided says nothing here.
 
 use super::{Incident, Naming, Part};
 use crate::alarm::detector::WarningPlace;

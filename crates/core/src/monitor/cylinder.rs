@@ -152,7 +152,7 @@ impl Cylinder {
             agreement: Agreement::default(),
             precedence: Precedence::new(design.coincidence),
             last: LastOne::default(),
-            reckoning: None,
+            reckoning: DeadReckoning::of(&design).map(Box::new),
             tilted: None,
             sensor: None,
             estimated: None,
@@ -173,7 +173,6 @@ impl Cylinder {
             design,
         };
         cylinder.restore(&DwellHistory::default());
-        cylinder.reckoning = cylinder.reckoning_of().map(Box::new);
         cylinder
     }
 
@@ -268,7 +267,9 @@ impl Cylinder {
         let (innovations, residuals) = self.judge(now, innovations, good, difference);
         self.commands.take(command);
         self.judge_measured(now.at, &readings);
-        self.judge_agreement(&residuals);
+        if self.sequential.is_some() {
+            self.judge_beside_sequential(&residuals, good);
+        }
         if self.process.is_some() {
             self.judge_process(now, good);
         }

@@ -38,10 +38,12 @@ impl Monitor {
                 cylinder.take_attitude_evidence(nats);
             }
         }
-        match judgement.change {
-            Some(TiltChange::Moved(error)) => cylinders[error.leg].take_tilt_error(at, &error),
-            Some(TiltChange::Returned(leg)) => cylinders[leg].end_tilt_error(),
-            None => {}
+        let Some(change) = judgement.change else { return };
+        // A machine may monitor fewer cylinders than it has legs.
+        let Some(cylinder) = cylinders.get_mut(change.leg()) else { return };
+        match change {
+            TiltChange::Moved(error) => cylinder.take_tilt_error(at, &error),
+            TiltChange::Returned(_) => cylinder.end_tilt_error(),
         }
     }
 }

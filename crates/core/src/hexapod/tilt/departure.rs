@@ -19,6 +19,16 @@ pub enum TiltChange {
     Returned(usize),
 }
 
+impl TiltChange {
+    /// Index of the leg, 0 to 5.
+    pub const fn leg(&self) -> usize {
+        match self {
+            Self::Moved(error) => error.leg,
+            Self::Returned(leg) => *leg,
+        }
+    }
+}
+
 /// An error of a single transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TiltError {
@@ -78,13 +88,14 @@ impl Departure {
     }
 
     /// The leg of `single` transducers that explains `off` by S⁻¹ better than every other leg by
-    /// [`TiltParameters::apart`]. Legs with two transducers are compared as well, since nobody is named rather than the
-    /// wrong one.
+    /// [`TiltParameters::apart`], after `since`, s. Legs with two transducers are compared as well: an error that one of
+    /// them may have made names no other.
     pub fn explain(
         &self,
         off: &Vector2<f64>,
         inverse: &Matrix2<f64>,
         single: [bool; LEGS],
+        since: f64,
         by: &TiltParameters,
     ) -> Option<TiltError> {
         let beyond = fit(off, inverse);
@@ -105,7 +116,7 @@ impl Departure {
         let (left, leg, size) = best;
         let apart = 0.5 * (second - left);
         let is_explained = single[leg] && left < by.beside * by.beside && apart >= by.apart;
-        let (nats, since) = (0.5 * beyond, 0.0);
+        let nats = 0.5 * beyond;
         is_explained.then_some(TiltError { leg, size, nats, apart, since })
     }
 
@@ -145,7 +156,7 @@ impl Tilt {
         let departure = self.departure.get_or_insert(Departure::new(slopes));
         departure.follow(&slopes, share, cycles);
         if self.found.is_none() && departure.cycles > self.counts.undecided {
-            // No transducer explains it, so it is the sensor or the machine: what is usual is learnt anew.
+            // No transducer explains it, so it is the sensor or the machine: the usual tilt is learnt anew.
             self.forget();
             return None;
         }
@@ -154,12 +165,13 @@ impl Tilt {
         // 0.05 mm/s named a healthy cylinder.
         let accuracy = self.accuracy * libm::sqrt(1.0 + (since / by.healthy).min(1.0));
         let inverse = healthy.inverse(accuracy, &tilts, since, by)?;
-        let explained = departure.explain(&off, &inverse, legs.map(|leg| leg.is_single), by);
+        let single = legs.map(|leg| leg.is_single);
+        let explained = departure.explain(&off, &inverse, single, since, by);
         let lasted = departure.last(explained.map(|it| it.leg), cycles);
         let error = explained.filter(|_| lasted >= self.counts.confirmed)?;
         // A second one beside it would turn the direction: the first one stays.
         let found = self.found.get_or_insert(Found { leg: error.leg, calm: 0 });
-        (found.leg == error.leg).then_some(TiltChange::Moved(TiltError { since, ..error }))
+        (found.leg == error.leg).then_some(TiltChange::Moved(error))
     }
 
     /// Takes that the tilt is the usual one.

@@ -274,7 +274,7 @@ fn a_drift_that_is_learnt_away_is_not_found_and_what_is_healthy_is_not_either() 
     assert_eq!(rig.changes(&[(2, 2e-3)], 10.0), []);
 }
 
-/// A cylinder with two transducers is never named, and what it would explain names nobody.
+/// A cylinder with two transducers is never named, and a tilt that fits it names no other.
 #[test]
 fn only_cylinders_with_a_single_transducer_are_named() {
     let slopes = [[0.1, 0.0], [0.0, 0.1], [0.1, 0.1], [0.1, -0.1], [0.05, 0.1], [0.1, 0.05]];
@@ -282,7 +282,7 @@ fn only_cylinders_with_a_single_transducer_are_named() {
     let inverse = nalgebra::Matrix2::identity() * 1e8;
     let explain = |single| {
         let off = Vector2::new(0.0, -0.02);
-        departure.explain(&off, &inverse, single, &TiltParameters::DEFAULT)
+        departure.explain(&off, &inverse, single, 0.0, &TiltParameters::DEFAULT)
     };
     assert!(explain([true; LEGS]).is_some_and(|it| it.leg == 1 && (it.size - 0.2).abs() < 1e-9));
     assert_eq!(explain([true, false, true, true, true, true]), None);

@@ -194,14 +194,22 @@ impl Cylinder {
             at_stop: now.at_stop,
         });
         self.tally.sequential.get_or_insert_default().count(sequential.unknown());
-        if self.reckoning.is_some() {
-            self.reckon_by_drive(good);
-        }
+    }
+
+    /// Judges what needs the verdicts of this cycle, and is there where a sequential detector is.
+    #[inline(never)]
+    pub(super) fn judge_beside_sequential(
+        &mut self,
+        residuals: &Residuals,
+        good: [Option<Measurement>; 2],
+    ) {
+        self.judge_agreement(residuals);
+        self.reckon_by_drive(good);
     }
 
     /// Whether C1 and C2 agree with each other while an observer disagrees with one of them.
     #[inline]
-    pub(super) fn judge_agreement(&mut self, residuals: &Residuals) {
+    fn judge_agreement(&mut self, residuals: &Residuals) {
         let Some(sequential) = &self.sequential else { return };
         let [fde1, fde2, _] = self.bank.verdicts();
         let [r1, r2, _] = residuals.r;

@@ -321,11 +321,11 @@ impl Cylinder {
         (0..2).find(is_alone)
     }
 
-    /// Latches transducer `i`, which departs from dead reckoning. A cylinder that does not do what it is told departs
-    /// as well, but for what the oil explains; either way nothing is left to rely on.
+    /// Latches transducer `i`, whose reading departs from dead reckoning. So does that of a cylinder that does not follow its
+    /// command, unless a process detector has found why; either way nothing is left to rely on.
     #[cold]
-    pub(super) fn latch_departure(&mut self, i: usize, departure: CourseError) {
-        let CourseError { error: residual, limit: threshold } = departure;
+    pub(super) fn latch_course_error(&mut self, i: usize, error: CourseError) {
+        let CourseError { error: residual, limit: threshold } = error;
         self.last.of[i].latch = Some(Latch { fault: Fault::Incipient, residual, threshold });
         self.last.is_attended = true;
     }

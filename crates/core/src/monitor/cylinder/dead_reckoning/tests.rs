@@ -2,8 +2,22 @@
 
 use super::*;
 
-const PARAMETERS: VerdictParameters = VerdictParameters::DEFAULT;
-const BOUNDS: Bounds<'_> = Bounds { parameters: &PARAMETERS, least: 0.01 };
+static PARAMETERS: VerdictParameters = VerdictParameters::DEFAULT;
+
+impl DeadReckoning {
+    /// Takes a cycle, which is calm unless a transducer is `alone`.
+    fn tick(
+        &mut self,
+        readings: [Option<f64>; 2],
+        velocity: Option<f64>,
+        alone: Option<usize>,
+    ) -> Option<CourseError> {
+        let is_tick = self.begin();
+        let error = is_tick.then(|| self.judge(readings, alone, alone.is_none())).flatten();
+        self.end(velocity);
+        error
+    }
+}
 
 /// A rod in a swell of 10 s, of which dead reckoning does not know a part of the speed.
 struct Swell {
@@ -15,11 +29,11 @@ struct Swell {
 
 impl Swell {
     fn new(unknown: f64) -> Self {
-        let reckoning = DeadReckoning::new(0.02, &PARAMETERS);
+        let reckoning = DeadReckoning::new(&PARAMETERS, 0.02, 0.01);
         Self { reckoning, length: 0.0, cycle: 0, unknown }
     }
 
-    /// So many seconds with an error of the reading; returns when it was found, s, and what.
+    /// Goes on for some seconds with an error of the reading; returns when that was found, s, and the finding.
     fn go(
         &mut self,
         seconds: f64,
@@ -31,10 +45,8 @@ impl Swell {
             let angle = f64::from(self.cycle) * 0.02 * core::f64::consts::TAU / 10.0;
             let (velocity, after) = (0.2 * angle.cos(), 0.02 * f64::from(k));
             let readings = [Some(self.length + error(after)); 2];
-            if self.reckoning.step(readings, Some(velocity)) {
-                let departure = self.reckoning.judge(alone, alone.is_none(), BOUNDS);
-                found = found.or(departure.map(|it| (after, it)));
-            }
+            let error = self.reckoning.tick(readings, Some(velocity), alone);
+            found = found.or(error.map(|it| (after, it)));
             self.length += 0.02 * (velocity * (1.0 + self.unknown));
             self.cycle += 1;
         }
@@ -62,9 +74,7 @@ fn what_is_usual_is_none_however_much_faster_the_rod_goes() {
     let (mut length, mut found) = (swell.length, None);
     for k in 0..30_000_u32 {
         let velocity = 1.2 * (f64::from(k) * 0.02 * core::f64::consts::TAU / 10.0).cos();
-        if swell.reckoning.step([Some(length), None], Some(velocity)) {
-            found = found.or(swell.reckoning.judge(Some(0), false, BOUNDS));
-        }
+        found = found.or(swell.reckoning.tick([Some(length), None], Some(velocity), Some(0)));
         length += 0.02 * velocity * 1.02;
     }
     assert_eq!(found, None);
@@ -81,7 +91,7 @@ fn a_wild_reading_at_a_tick_is_none() {
     assert!(swell.go(120.0, Some(0), lasting).is_some(), "the same for two ticks");
 }
 
-/// What was not learnt is not judged, and what moves while the way is not known is no error.
+/// Without lessons nothing is judged, and a rod that moves while its way is not known makes no error.
 #[test]
 fn without_lessons_or_a_way_nothing_is_found() {
     let mut swell = Swell::new(0.01);
@@ -93,7 +103,7 @@ fn without_lessons_or_a_way_nothing_is_found() {
     assert_eq!(swell.go(60.0, Some(0), |_| 0.0), None);
 }
 
-/// The model goes as fast as it is told, and is not used before nothing is left of its beginning.
+/// The model follows its command, and is not used until it has lost what it began with.
 #[test]
 fn the_model_alone_follows_its_command() {
     use crate::observe::model::Model;
