@@ -88,6 +88,7 @@ struct Counts {
     looks: [u32; 2],
     company: u32,
     lost: u32,
+    gone: u32,
 }
 
 const SPOOL: usize = 0;
@@ -121,6 +122,7 @@ impl Process {
                 looks: by.looks.map(|seconds| time::samples(seconds, sample_time)),
                 company: cycles(by.company),
                 lost: cycles(by.lost_for),
+                gone: cycles(by.gone),
             },
             spool: design.spool.clone().map(|it| Spool::new(it, sample_time)),
             of_spool: EvidenceWindows::default(),
@@ -154,7 +156,8 @@ impl Process {
     #[inline(always)]
     pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
         self.judged = u8::from(self.is_supply_judged) << SUPPLY;
-        let is_held = self.losses.take(input.is_lost, self.counts.lost) || input.held;
+        let is_held =
+            self.losses.take(input.is_lost, self.counts.lost, self.counts.gone) || input.held;
         self.oil = input.oil(is_held);
         self.open = if input.monitored { self.open.saturating_add(1) } else { 0 };
         // The prediction runs on in any state, so that it is right when it is asked for.

@@ -27,6 +27,8 @@ pub struct ProcessParameters {
     pub losses: u32,
     /// … and that many for so long after them at the most, s.
     pub lost_for: f64,
+    /// Readings that are lost for so long in a row are gone for good, s.
+    pub gone: f64,
     /// Displacement of the chambers' sum that is no fault, bar.
     pub chambers_band: f64,
     /// What it may be off for each bar that P_S is beyond what was taught, bar/bar: a supply that fails is no fault of
@@ -113,6 +115,7 @@ impl ProcessParameters {
         loss: 16,
         losses: 6,
         lost_for: 2.0,
+        gone: 10.0,
         chambers_band: 1.0,
         chambers_untaught: 0.05,
         least_deviations: [1.2e-3, 0.15],

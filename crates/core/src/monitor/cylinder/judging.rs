@@ -143,7 +143,10 @@ impl Cylinder {
 
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, mut good: [Option<Measurement>; 2]) {
-        let (held, asked) = self.doubts();
+        let (is_doubted, asked) = self.doubts();
+        // What was out before what is found now, and gives no reading, is not what the controller follows.
+        let is_without = self.alone().is_some_and(|i| good[1 - i].is_none());
+        let held = is_doubted && !is_without;
         if self.bank.is_exceeded() {
             // A spike of 4 mm is a way that no oil explains.
             good = [0, 1].map(|i| good[i].filter(|_| !self.bank.is_open(i)));
