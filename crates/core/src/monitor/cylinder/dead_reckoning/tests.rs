@@ -5,15 +5,16 @@ use super::*;
 static PARAMETERS: VerdictParameters = VerdictParameters::DEFAULT;
 
 impl DeadReckoning {
-    /// Takes a cycle, which is calm unless a transducer is `alone`.
+    /// Takes a cycle.
     fn tick(
         &mut self,
         readings: [Option<f64>; 2],
         velocity: Option<f64>,
         alone: Option<usize>,
+        is_calm: bool,
     ) -> Option<CourseError> {
         let is_tick = self.begin();
-        let error = is_tick.then(|| self.judge(readings, alone, alone.is_none())).flatten();
+        let error = is_tick.then(|| self.judge(readings, alone, is_calm)).flatten();
         self.end(velocity);
         error
     }
@@ -25,12 +26,19 @@ struct Swell {
     length: f64,
     cycle: u32,
     unknown: f64,
+    /// Of an only transducer, beside which nothing is found; else it is calm unless a transducer is left alone.
+    is_only: bool,
 }
 
 impl Swell {
     fn new(unknown: f64) -> Self {
         let reckoning = DeadReckoning::new(&PARAMETERS, 0.02, 0.01);
-        Self { reckoning, length: 0.0, cycle: 0, unknown }
+        Self { reckoning, length: 0.0, cycle: 0, unknown, is_only: false }
+    }
+
+    /// What each window has learnt from.
+    fn lessons(&self) -> [u32; WINDOWS] {
+        self.reckoning.usual.map(|it| it.count())
     }
 
     /// Goes on for some seconds with an error of the reading; returns when that was found, s, and the finding.
@@ -45,7 +53,8 @@ impl Swell {
             let angle = f64::from(self.cycle) * 0.02 * core::f64::consts::TAU / 10.0;
             let (velocity, after) = (0.2 * angle.cos(), 0.02 * f64::from(k));
             let readings = [Some(self.length + error(after)); 2];
-            let error = self.reckoning.tick(readings, Some(velocity), alone);
+            let is_calm = self.is_only || alone.is_none();
+            let error = self.reckoning.tick(readings, Some(velocity), alone, is_calm);
             found = found.or(error.map(|it| (after, it)));
             self.length += 0.02 * (velocity * (1.0 + self.unknown));
             self.cycle += 1;
@@ -74,7 +83,8 @@ fn what_is_usual_is_none_however_much_faster_the_rod_goes() {
     let (mut length, mut found) = (swell.length, None);
     for k in 0..30_000_u32 {
         let velocity = 1.2 * (f64::from(k) * 0.02 * core::f64::consts::TAU / 10.0).cos();
-        found = found.or(swell.reckoning.tick([Some(length), None], Some(velocity), Some(0)));
+        let readings = [Some(length), None];
+        found = found.or(swell.reckoning.tick(readings, Some(velocity), Some(0), false));
         length += 0.02 * velocity * 1.02;
     }
     assert_eq!(found, None);
@@ -101,6 +111,60 @@ fn without_lessons_or_a_way_nothing_is_found() {
     swell.reckoning.pause();
     swell.length += 0.7;
     assert_eq!(swell.go(60.0, Some(0), |_| 0.0), None);
+}
+
+#[test]
+fn a_window_is_judged_once_eight_of_its_length_were_learnt() {
+    for (seconds, is_judged) in [(4.0, false), (5.0, true)] {
+        let mut swell = Swell::new(0.01);
+        assert_eq!(swell.go(seconds, None, |_| 0.0), None);
+        assert_eq!(swell.go(4.0, Some(1), |t| 0.05 * t).is_some(), is_judged, "{seconds}");
+    }
+}
+
+/// By few lessons a drift is not told from what is usual, of which many make sure.
+#[test]
+fn few_lessons_count_less_than_many() {
+    for (seconds, is_found) in [(6.0, false), (600.0, true)] {
+        let mut swell = Swell::new(0.05);
+        assert_eq!(swell.go(seconds, None, |_| 0.0), None);
+        assert_eq!(swell.go(4.0, Some(1), |t| 0.07 * t).is_some(), is_found, "{seconds}");
+    }
+}
+
+#[test]
+fn however_well_it_is_known_no_error_below_the_least_is_one() {
+    for (error, is_found) in [(0.009, false), (0.011, true)] {
+        let mut swell = Swell::new(0.0);
+        assert_eq!(swell.go(600.0, None, |_| 0.0), None);
+        let found = swell.go(60.0, Some(1), |t| if t > 5.0 { error } else { 0.0 });
+        assert_eq!(found.is_some(), is_found, "{error}");
+    }
+}
+
+/// Windows that overlap have their errors in common, and one that reaches back to a finding may have it.
+#[test]
+fn lessons_neither_overlap_nor_reach_back_to_a_finding() {
+    let mut swell = Swell::new(0.01);
+    assert_eq!(swell.go(64.6, None, |_| 0.0), None);
+    let learnt = swell.lessons();
+    assert_eq!(learnt, [127, 63, 31, 15, 7, 3, 1, 0]);
+    assert_eq!(swell.go(31.9, Some(0), |_| 0.0), None);
+    assert_eq!(swell.lessons(), learnt, "it is not calm");
+    assert_eq!(swell.go(4.5, None, |_| 0.0), None);
+    let more: Vec<u32> = swell.lessons().iter().zip(learnt).map(|(now, then)| now - then).collect();
+    assert_eq!(more[3..], [0; 5], "{more:?}");
+}
+
+/// Its first cycle would be a lesson that makes it usual before the second one confirms it.
+#[test]
+fn an_error_of_an_only_transducer_does_not_become_usual() {
+    for ticks in 20..60 {
+        let mut swell = Swell { is_only: true, ..Swell::new(0.02) };
+        assert_eq!(swell.go(0.5 * f64::from(ticks), Some(0), |_| 0.0), None);
+        let found = swell.go(30.0, Some(0), |_| 0.2);
+        assert!(found.is_some_and(|(after, _)| after < 2.0), "{ticks}: {found:?}");
+    }
 }
 
 /// The model follows its command, and is not used until it has lost what it began with.
