@@ -243,6 +243,8 @@ fn a_valve_beside_its_command_is_no_drift_of_the_transducer_that_is_left() {
         // The controller reads C1: without it the rod would run to an end of its stroke.
         "loss,cylinder=2,sensor=c2,at=150,probability=1",
         "spool_offset,cylinder=2,at=170,size=0.06",
+        "freeze,cylinder=3,sensor=c2,at=150",
+        "spool_offset,cylinder=3,at=180,size=0.06",
         "loss,cylinder=5,sensor=c2,at=151,probability=1",
         "drift,cylinder=5,sensor=c1,at=170,rate=0.04",
     ];
@@ -250,8 +252,10 @@ fn a_valve_beside_its_command_is_no_drift_of_the_transducer_that_is_left() {
     let blames = |n: u8, suspect| {
         warnings.iter().any(|it| it.cylinder == n && it.finding.suspect == suspect)
     };
-    assert!(blames(2, Suspect::Process));
-    assert!(!blames(2, Suspect::C1));
+    for n in [2, 3] {
+        assert!(blames(n, Suspect::Process), "{n}");
+        assert!(!blames(n, Suspect::C1), "{n}");
+    }
     assert!(blames(5, Suspect::C1), "a drift is found on the same machine");
 }
 
