@@ -19,7 +19,7 @@ impl Losses {
     /// the most. From so many in a row on that are `steady`, they are gone for good.
     #[inline(always)]
     pub fn take(&mut self, is_lost: bool, cycles: u32, steady: u32) -> bool {
-        (is_lost || self.sum > 0) && self.count(is_lost, cycles, steady)
+        (is_lost || self.sum | self.row > 0) && self.count(is_lost, cycles, steady)
     }
 
     #[cold]
