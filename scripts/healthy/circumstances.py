@@ -148,19 +148,24 @@ class Commissioned:
         if done.returncode:
             raise SystemExit(f"{' '.join(map(str, arguments))}\n{done.stdout[-2000:]}\n{done.stderr}")
 
-    def play(self, number, it, seconds):
-        """The lines of JSON that a replay prints of an hour in a circumstance, those that judge."""
+    def play(self, number, it, seconds, lost):
+        """The lines of JSON that a replay prints of an hour in a circumstance, those that judge. After ten minutes each
+        cylinder may have `lost` a transducer, of which nothing is counted then."""
         plant = self.folder / f"plant-{number}.toml"
         plant.write_text(befallen(self.text, it))
         simulate = [self.binary, "simulate", "--config", CONFIG, "--plant", plant, "--sea", it.sea,
                     "--seed", str(self.seed * 1000 + number), "--duration", str(seconds)]
         if it.fault:
             simulate += ["--fault", it.fault]
+        gone = {n: f"c{1 + n % 2}" for n in range(1, 7)} if lost else {}
+        for n, sensor in gone.items():
+            simulate += ["--fault", f"loss,cylinder={n},sensor={sensor},at={600 + 2 * n},probability=1"]
         replay = [self.binary, "replay", "-", "--config", self.config, "--format", "jsonl"]
         machine = subprocess.Popen(simulate, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         monitor = subprocess.Popen(replay, stdin=machine.stdout, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         machine.stdout.close()
         said = [json.loads(line) for line in monitor.stdout]
+        said = [it for it in said if "suspect" not in it or it["suspect"] != gone.get(it["cylinder"])]
         error = machine.stderr.read().decode()
         if machine.wait():
             raise SystemExit(f"{simulate}: {error}")
@@ -188,7 +193,7 @@ def circumstances(options, folder):
         for number, it in enumerate(CIRCUMSTANCES):
             if options.only and not re.search(options.only, it.name):
                 continue
-            played = list(pool.map(lambda one: one.play(number, it, round(3600 * options.hours)), made))
+            played = list(pool.map(lambda one: one.play(number, it, round(3600 * options.hours), options.lost), made))
             for grade in options.grades:
                 raised, incidents, notices = Counter(), Counter(), Counter()
                 hours = 0.0

@@ -130,6 +130,7 @@ def main():
     parser.add_argument("--taught-sea", default="1.5,7")
     parser.add_argument("--only", default="")
     parser.add_argument("--keep", default="")
+    parser.add_argument("--lost", action="store_true")
     parser.add_argument("--binary", type=Path, required=True)
     options = parser.parse_args()
     options.binary = options.binary.resolve()

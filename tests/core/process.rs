@@ -2,7 +2,7 @@
 
 use crate::sequential_support::setup;
 use std::sync::LazyLock;
-use tertius::alarm::{Detector, State, Warning};
+use tertius::alarm::{Detector, Level, State, Warning};
 use tertius::config;
 use tertius::config::design;
 use tertius::config::settings::{Cylinder, Settings};
@@ -257,6 +257,35 @@ fn a_valve_beside_its_command_is_no_drift_of_the_transducer_that_is_left() {
         assert!(!blames(n, Suspect::C1), "{n}");
     }
     assert!(blames(5, Suspect::C1), "a drift is found on the same machine");
+}
+
+/// Nothing is left to compare C1 with but where the oil takes the rod, though the controller follows it.
+#[test]
+fn a_drift_of_the_last_transducer_departs_from_the_oil() {
+    let faults: Vec<String> = (1..=3)
+        .flat_map(|n| {
+            let rate = [0.003, -0.005, 0.01][n - 1];
+            [
+                format!("loss,cylinder={n},sensor=c2,at=250,probability=1"),
+                format!("drift,cylinder={n},sensor=c1,at=270,rate={rate}"),
+            ]
+        })
+        .chain((4..=6).map(|n| format!("loss,cylinder={n},sensor=c2,at=250,probability=1")))
+        .collect();
+    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
+    let warnings = TAUGHT.warnings(33, &faults, 330.0);
+    for n in 1..=6 {
+        let of_it = |it: &&Warning| it.cylinder == n && it.finding.suspect == Suspect::C1;
+        let after = warnings.iter().find(of_it).map(|it| {
+            assert_eq!(
+                (it.finding.fault, it.finding.level),
+                (Kind::Incipient, Level::Black),
+                "{n}"
+            );
+            it.timestamp.since(EPOCH).as_seconds() - 270.0
+        });
+        assert_eq!(after.is_some_and(|it| (0.0..20.0).contains(&it)), n <= 3, "{n}: {after:?}");
+    }
 }
 
 /// The controller follows a C1 that drifts until the end of the rod's way holds it. C2, which stands there as the rod does,

@@ -4,6 +4,7 @@ use super::super::machine::Machine;
 use super::objects;
 use crate::config::{MachineNames, Settings};
 use crate::frame::BusNumber;
+use crate::monitor::cylinder::WaySource;
 use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
 use crate::report::alignment::numbers;
@@ -73,6 +74,15 @@ fn judged(machine: &Machine, n: u8) -> String {
     };
     if let Some(process) = process(machine, n) {
         text += &format!("  process   {process}\n");
+    }
+    if let Some(source) = WaySource::of(cylinder) {
+        let of = if has_c2 { "a transducer that is left alone" } else { "C1" };
+        let by = match source {
+            WaySource::Oil => "the oil that passes the valve",
+            WaySource::Drive => "the fitted drive",
+            WaySource::Model => "the model",
+        };
+        text += &format!("  reckoning {of} is compared with the way by {by}\n");
     }
     text + &format!("  estimate  {}\n", estimate(settings, n))
 }

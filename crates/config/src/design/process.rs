@@ -37,6 +37,7 @@ impl Connector<'_> {
             friction: fitted
                 .and_then(|it| it.friction.as_ref())
                 .and_then(|it| self.friction(n, it)),
+            is_pair: settings.has_c2(n),
             supply,
             level: settings.process_level(),
             sample_time: settings.machine.sample_time,
@@ -96,7 +97,7 @@ impl Connector<'_> {
             ("signals.cylinder.c2", self.settings.has_c2(n)),
             ("signals.cylinder.pressure_bottom and pressure_rod, or load_pressure", has_load),
         ];
-        let of_flow = [of_spool[0], of_friction[0], of_friction[1], of_chambers[2]];
+        let of_flow = [of_spool[0], of_friction[1], of_chambers[2]];
         let wanted = [
             (fitted.spool.is_some(), &of_spool[..]),
             (fitted.chambers.is_some(), &of_chambers),

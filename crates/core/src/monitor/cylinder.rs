@@ -41,6 +41,7 @@ use alloc::boxed::Box;
 use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
 use dead_reckoning::DeadReckoning;
+pub use dead_reckoning::WaySource;
 pub use design::CylinderDesign;
 use devices::Watches;
 use last::LastOne;
@@ -100,7 +101,7 @@ pub struct Cylinder {
     agreement: Agreement,
     precedence: Precedence,
     last: LastOne,
-    /// `None` where there are two transducers and no drive was learnt.
+    /// `None` where there are two transducers, and neither oil nor a drive were learnt.
     reckoning: Option<Box<DeadReckoning>>,
     /// What the deck's attitude finds of the only transducer.
     tilted: Option<Tilted>,
@@ -272,6 +273,7 @@ impl Cylinder {
         }
         if self.process.is_some() {
             self.judge_process(now, good);
+            self.reckon_by_oil(good);
         }
         self.judge_precedence();
         let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();

@@ -25,6 +25,9 @@ pub struct ProcessDesign {
     pub chambers: Option<ChambersDesign>,
     pub flow: Option<FlowDesign>,
     pub friction: Option<FrictionDesign>,
+    /// Whether there are two transducers, by which flow and friction are judged; beside a single one the oil gives the rod's
+    /// speed alone.
+    pub is_pair: bool,
     /// Whether the machine's supply is watched, see [`Process::take_supply`].
     pub supply: bool,
     /// h, nats.
@@ -148,6 +151,11 @@ impl Process {
             spool.reset();
         }
         self.open = 0;
+    }
+
+    /// How fast the oil has moved the rod since the cycle before, m/s; `None` where that is not known.
+    pub fn speed(&self) -> Option<f64> {
+        self.flow.as_ref().and_then(FlowWatch::speed)
     }
 
     /// Takes a cycle. Where it is asked, returns the evidence of whose reading has moved, nats, as far as the oil tells:

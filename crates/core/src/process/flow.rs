@@ -47,8 +47,8 @@ pub struct FlowDesign {
 /// A cylinder in one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowSample {
-    /// C1 and the corrected C2, m.
-    pub lengths: [f64; 2],
+    /// C1 and the corrected C2, m; `None` where one of them is missing.
+    pub lengths: Option<[f64; 2]>,
     /// Position of the spool, in its unit.
     pub spool: f64,
     /// P_L and P_S, bar.
@@ -128,6 +128,8 @@ pub struct Flow {
     block: u32,
     /// `None` until a cycle is known.
     open: Option<OpenBlock>,
+    /// What the oil has moved the rod by since the cycle before, m/s; `None` where that was not taught.
+    speed: Option<f64>,
 }
 
 /// Directions that add up cycle by cycle; the last one is of a whole block.
@@ -135,7 +137,7 @@ const BY_CYCLE: usize = DIRECTIONS - 1;
 
 state! {
     Flow { open }
-    but { design, slope, sample_time, block }
+    but { design, slope, sample_time, block, speed }
 }
 
 /// A block that is not complete.
@@ -161,7 +163,7 @@ impl OpenBlock {
 impl Flow {
     pub fn new(design: FlowDesign, sample_time: f64) -> Self {
         let block = block_cycles(sample_time);
-        Self { slope: design.slope(), design, sample_time, block, open: None }
+        Self { slope: design.slope(), design, sample_time, block, open: None, speed: None }
     }
 
     pub const fn design(&self) -> &FlowDesign {
@@ -175,14 +177,21 @@ impl Flow {
 
     pub const fn reset(&mut self) {
         self.open = None;
+        self.speed = None;
     }
 
-    /// Whether the cycle before was known, at a position that was taught.
+    /// How fast the oil has moved the rod since the cycle before, m/s; `None` where that was not taught.
+    pub const fn speed(&self) -> Option<f64> {
+        self.speed
+    }
+
+    /// Whether the newest cycle was known, at a position that was taught.
     pub fn is_judging(&self) -> bool {
-        self.open.as_ref().is_some_and(|open| open.is_taught)
+        self.open.as_ref().is_some_and(|open| open.is_taught && open.last.lengths.is_some())
     }
 
-    /// One cycle; `None` without all of it, which ends the block. Returns a block when it is complete.
+    /// One cycle; `None` without its oil. That, or a length that is missing, ends the block. Returns a block when it is
+    /// complete.
     #[inline(always)]
     pub fn step(&mut self, sample: Option<FlowSample>) -> Option<FlowBlock> {
         let Some(sample) = sample else {
@@ -191,14 +200,24 @@ impl Flow {
         };
         let Some(open) = &mut self.open else {
             self.open = Some(OpenBlock::new(sample));
+            self.speed = None;
             return None;
         };
         let design = &self.design;
         let passage = Passage::of(&open.last, &sample, design.between);
+        let pressed = sample.load - open.last.load;
         open.last = sample;
         let at = design.curve.place(passage.position);
         let along = Along::new(&design.curve, self.slope, &passage, at);
-        open.is_taught &= passage.position.abs() <= design.limit && design.taught[at.0];
+        let is_taught = passage.position.abs() <= design.limit && design.taught[at.0];
+        let by_load =
+            design.leakage * passage.load + design.compression * pressed / self.sample_time;
+        self.speed = is_taught.then_some(along.speed + by_load);
+        if open.first.lengths.is_none() || sample.lengths.is_none() {
+            *open = OpenBlock::new(sample);
+            return None;
+        }
+        open.is_taught &= is_taught;
         for (sum, speed) in open.speeds.iter_mut().zip(along.speeds()) {
             *sum += speed;
         }
@@ -214,14 +233,15 @@ impl Flow {
     fn close(&mut self) -> Option<FlowBlock> {
         let open = self.open.as_mut()?;
         let full = core::mem::replace(open, OpenBlock::new(open.last));
-        full.is_taught.then(|| full.close(&self.design, self.sample_time))
+        if full.is_taught { full.close(&self.design, self.sample_time) } else { None }
     }
 }
 
 impl OpenBlock {
-    /// The block, which ends with its newest cycle.
-    fn close(self, design: &FlowDesign, sample_time: f64) -> FlowBlock {
+    /// The block, which ends with its newest cycle; `None` where a length is missing at either end.
+    fn close(self, design: &FlowDesign, sample_time: f64) -> Option<FlowBlock> {
         let Self { first, last, .. } = self;
+        let (from, to) = (first.lengths?, last.lengths?);
         let pressed = last.load - first.load;
         let mut directions = [pressed; DIRECTIONS];
         for (way, speeds) in directions.iter_mut().zip(self.speeds) {
@@ -231,9 +251,9 @@ impl OpenBlock {
         let leaked = -LEAKAGE_LOAD * directions[Direction::Leakage as usize];
         let by_oil = directions[Direction::Gain as usize];
         let way = by_oil + design.leakage * leaked + design.compression * pressed;
-        let left = core::array::from_fn(|i| last.lengths[i] - first.lengths[i] - way);
+        let left = core::array::from_fn(|i| to[i] - from[i] - way);
         let parted = last.apart.zip(first.apart).map(|(now, before)| now - before);
-        FlowBlock { left, directions, parted }
+        Some(FlowBlock { left, directions, parted })
     }
 }
 
@@ -270,7 +290,7 @@ mod tests {
     fn sample(k: i32, length: f64) -> FlowSample {
         let load = 10.0 + f64::from(k);
         FlowSample {
-            lengths: [length, length + 0.002 * f64::from(k)],
+            lengths: Some([length, length + 0.002 * f64::from(k)]),
             spool: -10.0,
             load,
             supply: 210.0 + load,
@@ -280,7 +300,7 @@ mod tests {
 
     #[test]
     fn what_the_oil_explains_is_not_left() {
-        let mut flow = Flow::new(design(), 0.02);
+        let (mut flow, mut before) = (Flow::new(design(), 0.02), 0.0);
         let blocks: Vec<FlowBlock> = (0..32)
             .filter_map(|k| {
                 // Its way in is by P_S + P_L, which grows by 2 bar a cycle here.
@@ -288,7 +308,12 @@ mod tests {
                     (0..k).map(|k| libm::sqrt((231.0 + 2.0 * f64::from(k)) / 210.0)).sum();
                 let leaks: f64 = (0..k).map(|k| -1e-4 * 0.02 * (10.5 + f64::from(k))).sum();
                 let length = 0.02 * -0.1 * root + leaks - 2e-4 * f64::from(k);
-                flow.step(Some(sample(k, length)))
+                let block = flow.step(Some(sample(k, length)));
+                let by_oil = flow.speed().map(|speed| 0.02 * speed);
+                assert!(by_oil.is_none_or(|way| (length - before - way).abs() < 1e-12), "{k}");
+                assert_eq!(by_oil.is_none(), k == 0);
+                before = length;
+                block
             })
             .collect();
         assert_eq!(blocks.len(), 3);
@@ -311,8 +336,11 @@ mod tests {
             samples.filter_map(|sample| flow.step(sample)).count()
         };
         let out = |k| FlowSample { spool: 10.0, ..sample(k, 0.0) };
+        let unread = |k| FlowSample { lengths: None, ..sample(k, 0.0) };
         assert_eq!(blocks(&mut (0..40).map(|k| Some(out(k)))), 0);
         assert_eq!(blocks(&mut (0..22).map(|k| (k % 11 < 10).then(|| sample(k, 0.0)))), 0);
+        let gaps = |k| if k % 11 < 10 { sample(k, 0.0) } else { unread(k) };
+        assert_eq!(blocks(&mut (0..22).map(|k| Some(gaps(k)))), 0, "an end without a reading");
         assert_eq!(blocks(&mut (0..22).map(|k| (k % 12 < 11).then(|| sample(k, 0.0)))), 1);
     }
 }

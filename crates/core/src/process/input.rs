@@ -60,11 +60,11 @@ impl ProcessInput {
         Some(ForceSample { length: 0.5 * (c1? + c2?), load: load? })
     }
 
-    /// What the balance of oil and rod needs, beside [`Self::load`]; `None` without all of it.
+    /// What the balance of oil and rod needs, beside [`Self::load`]; `None` without the oil.
     pub(super) fn passage(&self, load: Option<f64>) -> Option<FlowSample> {
         let load = load?;
         let [c1, c2] = self.lengths;
-        let (lengths, apart) = ([c1?, c2?], self.apart);
+        let (lengths, apart) = (c1.zip(c2).map(<[f64; 2]>::from), self.apart);
         Some(FlowSample { lengths, spool: self.spool?, load, supply: self.supply?, apart })
     }
 

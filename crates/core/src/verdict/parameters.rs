@@ -54,6 +54,9 @@ pub struct VerdictParameters {
     pub reckoned: f64,
     /// The usual error of a window is a mean over this time, s; some dozen times the longest window.
     pub reckoned_memory: f64,
+    /// What dead reckoning is off by is followed with this time constant, s; 60 to 300. While oil warmed, it went from 0.7 to
+    /// −1 mm/s in 25 minutes.
+    pub reckoned_bias: f64,
     /// Without a drive the model goes alone; its pressure has a time constant of 10 s by Table 4-1, and is used after so long, s.
     pub reckoned_settling: f64,
     /// A window is judged once as many of its length were learnt, and a mean square of n counts as 1 + doubt/n of it. With 2 and
@@ -88,6 +91,7 @@ impl VerdictParameters {
         confirmed: 0.3,
         reckoned: 0.5,
         reckoned_memory: 1800.0,
+        reckoned_bias: 120.0,
         reckoned_settling: 40.0,
         reckoned_trials: 8.0,
         reckoned_doubt: 16.0,

@@ -99,7 +99,7 @@ impl Lesson<'_> {
         let flow = row.flow?;
         let [c1, c2] = flow.lengths.map(f64::from);
         let [load, supply] = [flow.load, flow.supply?].map(f64::from);
-        let lengths = [c1, self.gain * c2];
+        let lengths = Some([c1, self.gain * c2]);
         Some(FlowSample { lengths, spool: row.spool?.into(), load, supply, apart: None })
     }
 
@@ -162,9 +162,10 @@ impl Lesson<'_> {
             cycles += 1;
             if cycles == block {
                 terms[PIECES + 2] = sample.load - first_of_block.load;
-                let way: f64 =
-                    [0, 1].iter().map(|i| sample.lengths[*i] - first_of_block.lengths[*i]).sum();
-                take(&terms, 0.5 * way);
+                let mean = |sample: &FlowSample| sample.lengths.map(|[c1, c2]| 0.5 * (c1 + c2));
+                if let Some((from, to)) = mean(&first_of_block).zip(mean(&sample)) {
+                    take(&terms, to - from);
+                }
                 (terms, first, cycles) = ([0.0; UNKNOWNS], None, 0);
             }
         }

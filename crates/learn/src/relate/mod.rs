@@ -35,7 +35,8 @@ pub struct LearntProcess {
     pub spool: Option<Result<SpoolTable, ProcessRefusal>>,
     /// `None` where the configuration does not name all three pressures.
     pub chambers: Option<Result<ChambersTable, ProcessRefusal>>,
-    /// `None` where the configuration does not name the spool, the load pressure, the supply's or C2.
+    /// `None` where the configuration does not name the spool, the load pressure or the supply's. Without C2 it gives the
+    /// rod's speed alone.
     pub flow: Option<Result<FlowTable, ProcessRefusal>>,
     /// `None` where the configuration does not name the load pressure or C2.
     pub friction: Option<Result<FrictionTable, ProcessRefusal>>,
@@ -126,7 +127,7 @@ impl ProcessRows {
             spool: has_spool(settings).then(|| spool::learn(self.of(n), time, level)),
             chambers: has_chambers(settings)
                 .then(|| chambers::learn(self.of(n), has_spool(settings), time, level)),
-            flow: has_flow(settings, n).then(|| {
+            flow: has_flow(settings).then(|| {
                 let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
                 flow::learn(self.of(n), geometry, time, level)
             }),
@@ -150,14 +151,17 @@ const fn has_spool(settings: &Settings) -> bool {
     settings.signals.cylinder.spool.is_some()
 }
 
-fn has_flow(settings: &Settings, n: u8) -> bool {
-    has_spool(settings) && has_friction(settings, n) && settings.signals.supply.is_some()
+const fn has_flow(settings: &Settings) -> bool {
+    has_spool(settings) && has_load(settings) && settings.signals.supply.is_some()
 }
 
 fn has_friction(settings: &Settings, n: u8) -> bool {
+    has_load(settings) && settings.has_c2(n)
+}
+
+const fn has_load(settings: &Settings) -> bool {
     let own = &settings.signals.cylinder;
-    let of_chambers = own.pressure_bottom.is_some() && own.pressure_rod.is_some();
-    (own.load_pressure.is_some() || of_chambers) && settings.has_c2(n)
+    own.load_pressure.is_some() || own.pressure_bottom.is_some() && own.pressure_rod.is_some()
 }
 
 const fn has_chambers(settings: &Settings) -> bool {

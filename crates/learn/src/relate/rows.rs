@@ -58,8 +58,8 @@ pub struct ProcessRows {
     lulls: [Lull; MAX_CYLINDERS],
     /// α of (3-5).
     area_ratio: f64,
-    /// Whether C1 stands for C2, too.
-    is_alone: bool,
+    /// Whether C1 stands for C2, too, of each cylinder.
+    is_alone: [bool; MAX_CYLINDERS],
     /// P_S, bar, where it is given instead of recorded.
     supply: Option<f64>,
 }
@@ -74,14 +74,14 @@ impl ProcessRows {
             opening: time::cycles(opening, settings.machine.sample_time),
             lulls: Default::default(),
             area_ratio: settings.machine.area_ratio,
-            is_alone: false,
+            is_alone: std::array::from_fn(|index| !settings.has_c2(index as u8 + 1)),
             supply: None,
         }
     }
 
     /// Rows of C1 alone, which stands for C2, too; with this supply pressure, bar, unless it is `None`.
     pub fn of_c1(settings: &Settings, supply: Option<f64>) -> Self {
-        Self { is_alone: true, supply, ..Self::new(settings) }
+        Self { is_alone: [true; MAX_CYLINDERS], supply, ..Self::new(settings) }
     }
 
     /// Puts the stretches of the recording into the order of this `ranking`.
@@ -93,7 +93,7 @@ impl ProcessRows {
 
     fn flow_row(&self, row: &Row) -> Option<FlowRow> {
         let c1 = row.c1?;
-        let c2 = if self.is_alone { c1 } else { row.c2? };
+        let c2 = if self.is_alone[usize::from(row.cylinder) - 1] { c1 } else { row.c2? };
         Some(FlowRow {
             lengths: [c1 as f32, c2 as f32],
             load: row.load_pressure(self.area_ratio)? as f32,

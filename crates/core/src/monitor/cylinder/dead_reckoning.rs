@@ -1,19 +1,46 @@
 //! The last transducer of a cylinder against dead reckoning: the way that the command alone has moved the rod.
 //!
 //! An observer follows a drift of the reading that corrects it: where nothing was left to compare with, drifts of 50 mm/s
-//! went on until the reading left its range. Nothing corrects dead reckoning. It is off by some millimetres a second, by
-//! the load, the oil and the bends of the valve, and by more the faster the rod goes. An error of the reading is therefore
-//! looked for in windows of half a second to a minute, and compared with the usual error of such a window.
+//! went on until the reading left its range. Nothing corrects dead reckoning. By the command it is off by some millimetres
+//! a second, by the load, the oil and the bends of the valve, and by more the faster the rod goes; by the oil that passes
+//! the valve it is off by less. An error of the reading is therefore looked for in windows of half a second to a minute,
+//! and compared with the usual error of such a window.
 
 use super::{Cylinder, CylinderDesign, Evaluation, TRANSDUCERS};
 use crate::estimate::mean::Mean;
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Measurement, ObserverDesign};
+use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
 use crate::state::{state, whole};
 use crate::time;
 use crate::verdict::VerdictParameters;
 use nalgebra::Vector3;
+
+/// What gives the rod's way, the best one first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WaySource {
+    /// The oil that passes the valve, by spool and pressures: the way since the cycle before.
+    Oil,
+    /// The drive that was learnt, by the command: the way until the next cycle.
+    Drive,
+    /// The model (4-1), likewise.
+    Model,
+}
+
+impl WaySource {
+    /// The best one of a cylinder. Beside a second transducer the model would cost more than it gives.
+    pub fn of(design: &CylinderDesign) -> Option<Self> {
+        let is_driven = design.sequential.as_ref().is_some_and(|it| it.pair.is_some());
+        let is_single = !TRANSDUCERS.into_iter().all(|it| design.has(it));
+        match design.process.as_ref().is_some_and(|it| it.flow.is_some()) {
+            true => Some(Self::Oil),
+            false if is_driven => Some(Self::Drive),
+            false if is_single => Some(Self::Model),
+            false => None,
+        }
+    }
+}
 
 /// Windows, each twice as long as the one before.
 const WINDOWS: usize = 8;
@@ -89,14 +116,16 @@ impl FreeModel {
 #[derive(Clone, Debug)]
 pub struct DeadReckoning {
     parameters: &'static VerdictParameters,
+    source: WaySource,
     /// Sample time, s.
     sample_time: f64,
     /// No error is one below this, m.
     least: f64,
     /// Cycles of a tick.
     tick: u32,
-    /// Ticks of a mean.
+    /// Ticks of a mean, and of the bias.
     memory: u32,
+    bias_memory: u32,
     /// Cycles in which the model loses what it began with.
     settling: u32,
     model: FreeModel,
@@ -117,33 +146,41 @@ pub struct DeadReckoning {
     usual: [Mean; WINDOWS],
     /// Mean distance of a tick then, m.
     pace: Mean,
+    /// What a tick is off by, m, which is followed: oil that leaks more as it warms, or a valve whose null moves, would add
+    /// up to more than all else.
+    bias: Mean,
 }
 
 state! {
-    DeadReckoning { model, courses, way, distance, distances, next, held, cycles, calm, usual, pace }
-    but { parameters, sample_time, least, tick, memory, settling }
+    DeadReckoning { model, courses, way, distance, distances, next, held, cycles, calm, usual, pace, bias }
+    but { parameters, source, sample_time, least, tick, memory, bias_memory, settling }
     sound |it| it.next < HELD && it.held <= HELD
 }
 
 impl DeadReckoning {
-    /// Where the velocity is known: by a drive that was learnt, or by the model where there is one transducer. Beside a
-    /// second one the model would cost more than it gives.
+    /// Where anything gives the rod's way.
     pub fn of(design: &CylinderDesign) -> Option<Self> {
-        let is_driven = design.sequential.as_ref().is_some_and(|it| it.pair.is_some());
-        let is_single = !TRANSDUCERS.into_iter().all(|it| design.has(it));
+        let source = WaySource::of(design)?;
         let (parameters, sample_time) = (design.bank.parameters, design.bank.sample_time);
         let least = parameters.reckoned_least * design.critical;
-        (is_driven || is_single).then(|| Self::new(parameters, sample_time, least))
+        Some(Self::new(parameters, source, sample_time, least))
     }
 
-    fn new(parameters: &'static VerdictParameters, sample_time: f64, least: f64) -> Self {
+    fn new(
+        parameters: &'static VerdictParameters,
+        source: WaySource,
+        sample_time: f64,
+        least: f64,
+    ) -> Self {
         let settling = time::cycles(parameters.reckoned_settling, sample_time);
         Self {
             parameters,
+            source,
             sample_time,
             least,
             tick: time::cycles(parameters.reckoned, sample_time).max(1),
             memory: time::cycles(parameters.reckoned_memory, parameters.reckoned),
+            bias_memory: time::cycles(parameters.reckoned_bias, parameters.reckoned),
             settling,
             model: FreeModel::new(settling),
             courses: [Course::NONE; 2],
@@ -156,6 +193,7 @@ impl DeadReckoning {
             calm: 0,
             usual: [Mean::default(); WINDOWS],
             pace: Mean::default(),
+            bias: Mean::default(),
         }
     }
 
@@ -181,9 +219,9 @@ impl DeadReckoning {
         is_tick
     }
 
-    /// Ends a cycle: takes the velocity until the next one, m/s.
+    /// Takes the velocity from one cycle to the next one, m/s.
     #[inline]
-    fn end(&mut self, velocity: Option<f64>) {
+    fn go(&mut self, velocity: Option<f64>) {
         match velocity.map(|velocity| self.sample_time * velocity) {
             Some(way) => (self.way, self.distance) = (self.way + way, self.distance + way.abs()),
             None => self.pause(),
@@ -198,6 +236,7 @@ impl DeadReckoning {
         alone: Option<usize>,
         is_calm: bool,
     ) -> Option<CourseError> {
+        self.way += self.bias.value();
         let goes_on = [0, 1].map(|i: usize| self.courses[i].follow(readings[i], self.way));
         if goes_on == [false; 2] {
             return None;
@@ -221,6 +260,10 @@ impl DeadReckoning {
                 // A drift of an only transducer would become usual before it is found.
                 let counted = error.abs().min(0.5 * limit);
                 self.usual[window].add(counted * counted, self.memory >> window);
+            }
+            if window == 0 {
+                let followed = error.clamp(-0.5 * limit, 0.5 * limit);
+                self.bias.add(self.bias.value() + followed, self.bias_memory);
             }
             let (side, is_beyond) = (usize::from(error < 0.0), error.abs() > limit);
             beyond[side] |= u8::from(is_beyond) << window;
@@ -262,9 +305,30 @@ impl DeadReckoning {
 }
 
 impl Cylinder {
+    fn reckons_by(&self, source: WaySource) -> bool {
+        self.reckoning.as_ref().is_some_and(|it| it.source == source)
+    }
+
+    /// Takes a cycle until which the oil has given the velocity.
+    #[inline]
+    pub(super) fn reckon_by_oil(&mut self, good: [Option<Measurement>; 2]) {
+        if !self.reckons_by(WaySource::Oil) {
+            return;
+        }
+        let velocity = self.process.as_deref().and_then(Process::speed);
+        let Some(reckoning) = &mut self.reckoning else { return };
+        reckoning.go(velocity);
+        if reckoning.begin() {
+            self.judge_reckoning(good);
+        }
+    }
+
     /// Takes a cycle in which the drive has given the velocity.
     #[inline]
     pub(super) fn reckon_by_drive(&mut self, good: [Option<Measurement>; 2]) {
+        if !self.reckons_by(WaySource::Drive) {
+            return;
+        }
         let sequential = self.sequential.as_deref();
         self.reckon(good, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
     }
@@ -276,6 +340,9 @@ impl Cylinder {
         good: [Option<Measurement>; 2],
         command: Option<f64>,
     ) {
+        if !self.reckons_by(WaySource::Model) {
+            return;
+        }
         let is_open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
         let Some(reckoning) = &mut self.reckoning else { return };
         if !is_open {
@@ -293,7 +360,7 @@ impl Cylinder {
             self.judge_reckoning(good);
         }
         if let Some(reckoning) = &mut self.reckoning {
-            reckoning.end(velocity);
+            reckoning.go(velocity);
         }
     }
 

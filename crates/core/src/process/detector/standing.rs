@@ -43,10 +43,13 @@ impl Process {
         self.design.chambers.is_some()
     }
 
-    /// Whether it knows each relation.
+    /// Which relations it can judge by.
     pub const fn knows(&self) -> [bool; RELATIONS] {
         let [spool, chambers] = &self.weighings;
-        let (flow, friction) = (self.flow.is_some(), self.friction.is_some());
+        let (flow, friction) = match self.design.is_pair {
+            true => (self.flow.is_some(), self.friction.is_some()),
+            false => (false, false),
+        };
         [spool.is_some(), chambers.is_some(), flow, friction, self.design.supply]
     }
 

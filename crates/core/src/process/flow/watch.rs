@@ -47,6 +47,11 @@ impl FlowWatch {
         self.flow.is_judging()
     }
 
+    /// See [`Flow::speed`].
+    pub const fn speed(&self) -> Option<f64> {
+        self.flow.speed()
+    }
+
     pub fn forget(&mut self) {
         self.flow.reset();
         self.windows.clear();
@@ -85,12 +90,14 @@ impl FlowWatch {
     ) -> Option<f64> {
         self.was_held = true;
         self.windows.clear();
+        let read = sample.filter(|it| it.lengths.is_some());
         let knows = |sample: &FlowSample| !of_gain || self.flow.design().knows(sample.supply);
-        let known = sample.filter(knows);
-        if known.is_none() && (sample.is_some() || !is_asked) {
+        let known = read.filter(knows);
+        if known.is_none() && (read.is_some() || !is_asked) {
             self.side.rest();
         }
-        let block = self.flow.step(known)?;
+        let oil = sample.map(|it| FlowSample { lengths: None, ..it });
+        let block = self.flow.step(known.or(oil))?;
         self.side.weigh(&block, is_asked)
     }
 

@@ -15,7 +15,7 @@ impl DeadReckoning {
     ) -> Option<CourseError> {
         let is_tick = self.begin();
         let error = is_tick.then(|| self.judge(readings, alone, is_calm)).flatten();
-        self.end(velocity);
+        self.go(velocity);
         error
     }
 }
@@ -32,7 +32,7 @@ struct Swell {
 
 impl Swell {
     fn new(unknown: f64) -> Self {
-        let reckoning = DeadReckoning::new(&PARAMETERS, 0.02, 0.01);
+        let reckoning = DeadReckoning::new(&PARAMETERS, WaySource::Drive, 0.02, 0.01);
         Self { reckoning, length: 0.0, cycle: 0, unknown, is_only: false }
     }
 
@@ -88,6 +88,21 @@ fn what_is_usual_is_none_however_much_faster_the_rod_goes() {
         length += 0.02 * velocity * 1.02;
     }
     assert_eq!(found, None);
+}
+
+/// As oil that warms leaks more and more; a transducer that is left alone may be so for hours.
+#[test]
+fn a_bias_that_wanders_is_followed_and_a_drift_is_not() {
+    let wander = |t: f64| 7e-4 * t - 0.5 * 1.1e-6 * t * t;
+    for (drift, is_found) in [(0.0, false), (0.002, true), (-0.005, true)] {
+        let mut swell = Swell::new(0.002);
+        assert_eq!(swell.go(900.0, None, wander), None, "beside the other one");
+        assert_eq!(swell.go(900.0, Some(1), |t| wander(900.0 + t)), None, "alone");
+        let on = |t: f64| wander(1800.0 + t) + drift * t;
+        let found = swell.go(120.0, Some(1), on).map(|(after, _)| after);
+        assert_eq!(found.is_some_and(|it| it < 15.0), is_found, "{drift}: {found:?}");
+        assert_eq!(found.is_some(), is_found, "{drift}: {found:?}");
+    }
 }
 
 #[test]
