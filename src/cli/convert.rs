@@ -13,6 +13,8 @@ use crate::bus::{
 };
 use crate::frame::{Frame, Kind};
 use crate::report::counted;
+use crate::report::times;
+use crate::time::Timestamp;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::collections::BTreeMap;
@@ -162,12 +164,25 @@ struct Conversion {
     others: u64,
     /// Frames that the format cannot have.
     unsayable: BTreeMap<Unsayable, u64>,
+    /// Time stamp of the newest frame, and how often one was earlier than that of the frame before.
+    newest: Option<Timestamp>,
+    backwards: u64,
 }
 
 impl Conversion {
     fn new(format: &'static Written) -> Self {
         let (encoder, unsayable) = ((format.encoder)(), BTreeMap::new());
-        Self { format, encoder, bytes: Vec::new(), written: 0, errors: 0, others: 0, unsayable }
+        Self {
+            format,
+            encoder,
+            bytes: Vec::new(),
+            written: 0,
+            errors: 0,
+            others: 0,
+            unsayable,
+            newest: None,
+            backwards: 0,
+        }
     }
 
     /// Passes on the whole recording; returns the number of frames read.
@@ -204,6 +219,8 @@ impl Conversion {
     }
 
     fn add(&mut self, interface: &str, frame: &Frame) {
+        let newest = self.newest.replace(frame.timestamp);
+        self.backwards += u64::from(newest.is_some_and(|newest| frame.timestamp < newest));
         match self.encoder.add(interface, frame, &mut self.bytes) {
             Ok(()) => {
                 self.written += 1;
@@ -221,6 +238,13 @@ impl Conversion {
         }
         for (why, frames) in &self.unsayable {
             tell!("{} left out: {why}", counted(*frames, "frame"));
+        }
+        if self.backwards > 0 {
+            tell!(
+                "the time stamps go back {}, and the frames are written as they come: a candump recording is put in order \
+                 with sort -s -k 1,1 all.log > sorted.log",
+                times(self.backwards)
+            );
         }
         if self.errors > 0 && !self.format.explains_errors {
             let errors = counted(self.errors, "error frame");

@@ -47,7 +47,8 @@ fn a_log_by_way_of_each_format_is_the_same_to_the_byte() {
     for name in ["way.log", "way.log.gz", "way.log.zst", "way.pcapng", "way.pcapng.gz", "WAY.LOG"] {
         let (back, said) = by_way_of(&scratch, name, &log);
         assert_eq!(back, EVERY, "{name}");
-        assert_eq!(said, "10 frames read, 10 written\n", "{name}");
+        let told = "10 frames read, 10 written\nthe time stamps go back once, ";
+        assert!(said.starts_with(told) && said.lines().count() == 2, "{name}: {said}");
     }
     for name in ["way.asc", "way.asc.zst", "way.blf"] {
         let (back, said) = by_way_of(&scratch, name, &log);

@@ -68,6 +68,12 @@ fn frames_that_a_logger_wrote_late_are_told_with_what_puts_them_in_order() {
     });
     let unsorted = scratch.write("unsorted.log", pieces.collect::<String>());
     is_unjudged(&unsorted, &["the time stamps go back", "sort -s -k 1,1 all.log > sorted.log"]);
+    let converted = tertius(&["convert", &unsorted, &scratch.path("all.log")], b"").ok();
+    let told = "the time stamps go back ";
+    assert!(converted.stderr.contains(told), "{}", converted.stderr);
+    let sound = scratch.write("sound.log", log);
+    let converted = tertius(&["convert", &sound, &scratch.path("same.log")], b"").ok();
+    assert!(!converted.stderr.contains(told), "{}", converted.stderr);
 }
 
 /// Whatever the reason: too few cycles for an observer are no sign of health.
