@@ -3,13 +3,16 @@
 
 use crate::sequential_support::{EPOCH, Setup, fine};
 use std::path::Path;
+use tertius::alarm::status::Health;
 use tertius::alarm::{Detector, Level, State as Said, Warning};
 use tertius::config::design;
+use tertius::controller::State;
 use tertius::dbc::{Database, text};
 use tertius::estimate::{Estimate, Source};
 use tertius::incident::{Incident, Progress};
 use tertius::monitor::{Estimates, Monitor, Sink};
 use tertius::simulator::{Options, Tables};
+use tertius::time::Span;
 use tertius::verdict::{Fault, Suspect};
 
 /// What the monitor passes on.
@@ -198,6 +201,72 @@ fn both_that_freeze_at_once_are_both_named() {
                 assert_eq!(late, None, "{cylinder}");
             }
         }
+    }
+}
+
+/// What stands exactly while its command travels is not known to be right, before it is frozen and after.
+#[test]
+fn readings_that_stand_under_a_command_that_travels_are_not_healthy() {
+    let setup = machine(fine(&[], ""));
+    let of =
+        |n: u8| ["c1", "c2"].map(|sensor| format!("freeze,cylinder={n},sensor={sensor},at=60"));
+    let faults: Vec<String> = (1..=6).flat_map(of).collect();
+    let design = design::judging(&setup.settings, &setup.database).expect("they fit");
+    let (mut simulator, mut monitor) =
+        (setup.simulator(&setup.options(5, &faults)), Monitor::new(design));
+    let (mut seen, mut healthy) = (Seen::default(), Vec::new());
+    for cycle in 0..4500_u32 {
+        simulator.step(&mut |frame| monitor.take(frame, &mut seen));
+        let at = 0.02 * f64::from(cycle);
+        let status = monitor.status(EPOCH.after(Span::from_seconds(at)));
+        let count =
+            status.transducers.iter().flatten().filter(|it| **it == Health::Healthy).count();
+        healthy.push((at, count));
+    }
+    assert!(healthy.iter().any(|it| it.0 < 60.0 && it.1 == 12));
+    let late = healthy.iter().find(|(at, count)| *at > 61.0 && *count > 0);
+    assert_eq!(late, None, "frozen since 60 s");
+}
+
+/// A stop is evidence: the last transducer reads there what it read before, or is off by as much as it was.
+#[test]
+fn the_latch_ends_on_a_stop_where_the_reading_is_right_again() {
+    let setup = machine(fine(&[], ""));
+    let of = |n: u8| {
+        let until = if n <= 3 { ",until=205" } else { "" };
+        [
+            format!("loss,cylinder={n},sensor=c1,at={},probability=1", 180.0 + later(n)),
+            format!("step,cylinder={n},sensor=c2,at={},size=0.02{until}", 200.0 + later(n)),
+        ]
+    };
+    let faults: Vec<String> = (1..=6).flat_map(of).collect();
+    let design = design::judging(&setup.settings, &setup.database).expect("they fit");
+    let (mut simulator, mut monitor) =
+        (setup.simulator(&setup.options(5, &faults)), Monitor::new(design));
+    let mut seen = Seen::default();
+    for (state, seconds) in
+        [(State::Engaged, 30), (State::Safe, 90), (State::Engaged, 110), (State::Safe, 120)]
+    {
+        simulator.request(state);
+        for _ in 0..50 * seconds {
+            simulator.step(&mut |frame| monitor.take(frame, &mut seen));
+        }
+    }
+    for cylinder in 1..=6 {
+        let black = seen.black(cylinder, Suspect::C2).expect("it steps");
+        assert!((200.0..202.0).contains(&black), "{cylinder}: {black}");
+        let ends = |it: &&Warning| {
+            let is_c2 = it.cylinder == cylinder && it.finding.suspect == Suspect::C2;
+            is_c2 && it.state == Said::Cleared
+        };
+        let cleared =
+            seen.warnings.iter().find(ends).map(|it| it.timestamp.since(EPOCH).as_seconds());
+        let on_the_stop = cleared.is_some_and(|it| it > 230.0);
+        assert_eq!(
+            (cleared.is_some(), on_the_stop),
+            (cylinder <= 3, cylinder <= 3),
+            "{cylinder}: {cleared:?}"
+        );
     }
 }
 

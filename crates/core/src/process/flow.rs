@@ -136,8 +136,8 @@ pub struct Flow {
 const BY_CYCLE: usize = DIRECTIONS - 1;
 
 state! {
-    Flow { open }
-    but { design, slope, sample_time, block, speed }
+    Flow { open, speed }
+    but { design, slope, sample_time, block }
 }
 
 /// A block that is not complete.

@@ -42,6 +42,9 @@ pub const UNWITNESSED: u32 = 5;
 /// Factor on [`PlausibilityLimits::driven`] where the command went one way only, to where the reading has been.
 const ONE_WAY: f64 = 2.0;
 
+/// Part of [`PlausibilityLimits::driven`] from which on a reading that stands is not known to be right.
+const LEFT_STANDING: f64 = 0.25;
+
 /// Most cycles in a row in which a frame came for another cycle and that do not age a reading: after a clock was set, or a bus
 /// stood still, places find their cycle anew within five.
 const SPARED: u32 = 10;
@@ -156,6 +159,11 @@ impl Plausibility {
         self.quality
     }
 
+    /// Newest reading, m.
+    pub const fn newest(&self) -> Option<f64> {
+        self.last
+    }
+
     /// Distance of `position` beyond the valid lengths, m, signed; zero within them.
     pub fn beyond(&self, position: f64) -> f64 {
         let (lowest, highest) = self.limits.lengths;
@@ -224,6 +232,13 @@ impl Plausibility {
     /// enough, or not under a command that moves.
     pub fn stands_alone(&self) -> bool {
         self.still.cycles > 0 && self.still.travelled >= 0.5 * self.limits.travel
+    }
+
+    /// Whether the reading has stood while the command went on, though not yet for long enough to be frozen. All twelve that
+    /// froze at once were healthy for two seconds, in which nothing was left to find.
+    pub fn is_left_standing(&self) -> bool {
+        let way = self.drive.ways[0].max(self.drive.ways[1]);
+        self.still.cycles >= self.limits.frozen && way >= LEFT_STANDING * self.limits.driven
     }
 
     /// Whether the other transducer has moved while this one was held, so that the rod does not

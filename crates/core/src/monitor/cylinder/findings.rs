@@ -257,6 +257,12 @@ impl Cylinder {
         })
     }
 
+    /// Whether the reading of transducer `i` stands, off the ends of the stroke, while the command moves the rod.
+    fn is_left_standing(&self, i: usize) -> bool {
+        self.plausibility[i].is_left_standing()
+            && self.plausibility[i].newest().is_some_and(|it| !self.is_near_end(it))
+    }
+
     /// State of each transducer; `stands` tells whether the warnings of this cycle blame it.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
         let verdicts = self.bank.verdicts();
@@ -271,6 +277,7 @@ impl Cylinder {
             } else if self.judged[i]
                 && (verdicts[i] == Verdict::Healthy || !self.design.observes)
                 && !stands(Suspect::Process)
+                && !self.is_left_standing(i)
             {
                 Health::Healthy
             } else {

@@ -102,7 +102,7 @@ impl LastOne {
             (watched.tried, watched.aftermath, watched.beyond) = (None, 0, 0);
         }
         for rest in &mut self.rests {
-            (rest.sum, rest.count) = (0.0, 0);
+            rest.end();
         }
     }
 

@@ -7,29 +7,54 @@ use crate::state::whole;
 /// Reading on the mechanical stop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rest {
-    /// Sum of the readings of this stay, m, and their number.
-    pub sum: f64,
-    pub count: u32,
+    /// Sum of the readings since the rod stands, m, and their number.
+    sum: f64,
+    count: u32,
+    /// Mean when it last stood, m: at the end of a stay it moves again.
+    stood: Option<f64>,
     /// Mean of the last stay in which nothing was found, m.
-    pub healthy: Option<f64>,
+    healthy: Option<f64>,
 }
 
-whole! { Rest { sum, count, healthy } }
+whole! { Rest { sum, count, stood, healthy } }
+
+impl Rest {
+    fn mean(&self) -> f64 {
+        self.sum / f64::from(self.count.max(1))
+    }
+
+    /// Ends the stay.
+    pub fn end(&mut self) {
+        (self.sum, self.count, self.stood) = (0.0, 0, None);
+    }
+
+    /// Takes a reading; one that is farther than `far` from the mean, m, begins anew. A rod that still retracts passes by
+    /// every mean, and that of its last stay among them. It stands after so many cycles.
+    fn take(&mut self, reading: f64, far: f64, stands: u32) {
+        if (reading - self.mean()).abs() > far {
+            (self.sum, self.count) = (0.0, 0);
+        }
+        self.sum += reading;
+        self.count = self.count.saturating_add(1);
+        if self.count >= stands {
+            self.stood = Some(self.mean());
+        }
+    }
+}
 
 impl Cylinder {
     /// Takes the readings on the mechanical stop.
     #[cold]
     pub(super) fn rest_last(&mut self, good: [Option<Measurement>; 2]) {
+        let stands = self.design.observers[0].settle.max(1);
         for (rest, reading) in self.last.rests.iter_mut().zip(good) {
             let Some(reading) = reading else { continue };
-            rest.sum += reading.position;
-            rest.count = rest.count.saturating_add(1);
+            rest.take(reading.position, self.design.bank.observer.high, stands);
         }
         let agrees = |i: usize| {
-            let Rest { sum, count, healthy } = self.last.rests[i];
-            let mean = sum / f64::from(count.max(1));
-            let enough = count >= self.design.observers[i].settle.max(1);
-            enough && healthy.is_some_and(|it| (it - mean).abs() <= self.design.bank.observer.high)
+            let Rest { count, stood, healthy, .. } = self.last.rests[i];
+            let (now, high) = (stood.filter(|_| count >= stands), self.design.bank.observer.high);
+            now.zip(healthy).is_some_and(|(now, healthy)| (now - healthy).abs() <= high)
         };
         // The deck's attitude finds an error of C1.
         let is_out = |i: usize| self.last.is_latched(i) || i == 0 && self.tilted.is_some();
@@ -44,10 +69,10 @@ impl Cylinder {
     pub(super) fn leave_stop(&mut self) {
         let is_healthy = !self.finds_anything();
         for rest in &mut self.last.rests {
-            if is_healthy && rest.count > 0 {
-                rest.healthy = Some(rest.sum / f64::from(rest.count));
+            if is_healthy {
+                rest.healthy = rest.stood.or(rest.healthy);
             }
-            (rest.sum, rest.count) = (0.0, 0);
+            rest.end();
         }
     }
 }
