@@ -172,6 +172,10 @@ pub fn line(incident: &Incident, names: &MachineNames) -> String {
     let worst = incident
         .worst()
         .map(|(quantity, peak)| largest(quantity, peak.value, incident.limits[quantity as usize]));
+    let departure = evidence::departure(incident);
+    let departed =
+        departure.map(|(_, part)| format!("beside its way by {}", evidence::beside(part)));
+    let worst = departed.or(worst);
     let of = match scope {
         Scope::Cylinder(number) => {
             of_cylinder(names, number.into(), (suspect, incident.is_alone()))
@@ -275,9 +279,10 @@ pub fn advice(incident: &Incident, names: &MachineNames) -> String {
     }
 }
 
-/// Where else to look if nothing is wrong with C1: alone, its observer cannot tell it from the cylinder.
+/// Where else to look if nothing is wrong with C1: alone, its observer and dead reckoning cannot tell it from the cylinder.
 fn otherwise(incident: &Incident) -> &'static str {
-    if incident.is_alone() && incident.part(WarningPlace::Fde1).is_some() {
+    let is_single = incident.is_alone() && incident.part(WarningPlace::Fde1).is_some();
+    if is_single || evidence::departure(incident).is_some() {
         " If nothing is wrong there, look at the cylinder, its valve and its supply."
     } else {
         ""

@@ -30,6 +30,11 @@ pub fn evidence(incident: &Incident) -> String {
 /// Whom the evidence names, and when it did so; where that was not at once, also by which detector.
 fn conclusion(incident: &Incident) -> String {
     let is_alone = incident.is_alone();
+    if let (Some((name, _)), Suspect::C1 | Suspect::C2) = (departure(incident), incident.suspect) {
+        return format!(
+            "{name} is blamed, but a cylinder that leaks or a valve that has changed looks the same"
+        );
+    }
     let by_observer = incident.part(WarningPlace::Fde1).is_some()
         && incident.part(WarningPlace::PlausibilityOfC1).is_none()
         && incident.part(WarningPlace::Hexapod).is_none();
@@ -70,6 +75,7 @@ impl Observation {
 fn observed(incident: &Incident) -> Vec<Observation> {
     let mut observed = facts(incident);
     observed.extend(risen(incident));
+    observed.extend(departure(incident).map(departed));
     let weighed = [
         (WarningPlace::Sequential, "the evidence of many samples"),
         (WarningPlace::Process, "what valve, pressures and rod say of each other"),
@@ -128,7 +134,7 @@ fn facts(incident: &Incident) -> Vec<Observation> {
 /// The comparing detectors that rose, those of one moment together.
 fn risen(incident: &Incident) -> Vec<Observation> {
     let risen = COMPARING.iter().filter_map(|(place, _, name)| {
-        let part = incident.part(*place)?;
+        let part = incident.part(*place).filter(|part| !departs(part))?;
         Some((part, format!("{name}{}", again(part))))
     });
     let mut risen: Vec<(&Part, String)> = risen.collect();
@@ -144,6 +150,30 @@ fn risen(incident: &Incident) -> Vec<Observation> {
         rest = others;
     }
     observed
+}
+
+fn departs(part: &Part) -> bool {
+    part.finding.evidence.is_some_and(|it| it.by == Some(Testimony::Way))
+}
+
+/// The transducer that departs from dead reckoning, with what was found.
+pub(super) fn departure(incident: &Incident) -> Option<(&'static str, &Part)> {
+    let places = [(WarningPlace::Fde1, "C1"), (WarningPlace::Fde2, "C2")];
+    let of = |(place, name)| Some((name, incident.part(place).filter(|part| departs(part))?));
+    places.into_iter().find_map(of)
+}
+
+fn departed((name, part): (&'static str, &Part)) -> Observation {
+    let clause =
+        format!("{name} departed from the rod's way by dead reckoning, by {}", beside(part));
+    Observation::new(part.raised, clause)
+}
+
+/// By how much a reading has departed from dead reckoning: `16.6 mm (limit 13.1 mm)`.
+pub(super) fn beside(part: &Part) -> String {
+    let [error, limit] =
+        [part.finding.residual, part.finding.threshold].map(|it| it.unwrap_or_default().abs());
+    format!("{} (limit {})", millimetres(error), millimetres(limit))
 }
 
 /// What many samples together say.
@@ -181,7 +211,7 @@ fn testimony(incident: &Incident) -> Option<String> {
     let what = match evidence.by? {
         Testimony::Flow => "the oil that passed the valve",
         Testimony::Attitude => "the attitude of the deck",
-        Testimony::Innovations | Testimony::Stop => return None,
+        Testimony::Innovations | Testimony::Stop | Testimony::Way => return None,
     };
     let nats = evidence.location.map_or(String::new(), |it| format!(" ({:.0} nats)", it.abs()));
     let [moved, other] = match incident.suspect {

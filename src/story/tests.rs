@@ -122,6 +122,38 @@ fn what_the_deck_says_of_a_single_transducer_is_evidence_of_its_own() {
     assert_eq!((incident.onset, incident.size), (at(0.0), Some(-9.5e-3)));
 }
 
+/// The observer rose by a residual of its own before.
+#[test]
+fn a_departure_from_dead_reckoning_is_told_with_what_looks_the_same() {
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+    let by_way = finding(Suspect::C2, Some(Testimony::Way));
+    let by_way = Finding { residual: Some(-0.0166), threshold: Some(0.0131), ..by_way };
+    let rose = Finding { evidence: None, ..finding(Suspect::Undecided, None) };
+    for (seconds, state, finding) in [(1.0, State::Raised, rose), (2.0, State::Changed, by_way)] {
+        incidents.take(&Warning {
+            timestamp: at(seconds),
+            cylinder: 1,
+            detector: Detector::Fde2,
+            place: WarningPlace::Fde2 as usize,
+            state,
+            finding,
+        });
+        incidents.follow(0, [at(seconds); 2], &[None, Some(0.6e-3), None, None], |_| {});
+    }
+    let mut incident = None;
+    incidents.finish(at(2.0), |it| incident = Some(*it));
+    let incident = incident.expect("it stands");
+    let told = evidence(&incident);
+    let departs = "C2 departed from the rod's way by dead reckoning, by 16.6 mm (limit 13.1 mm)";
+    assert!(told.contains(departs) && !told.contains("rose"), "{told}");
+    let end = "C2 is blamed, but a cylinder that leaks or a valve that has changed looks the same";
+    assert!(told.ends_with(end), "{told}");
+    let line = line(&incident, &MachineNames::default());
+    assert!(line.contains("beside its way by 16.6 mm (limit 13.1 mm)"), "{line}");
+    let advice = advice(&incident, &MachineNames::default());
+    assert!(advice.contains("look at the cylinder, its valve"), "{advice}");
+}
+
 #[test]
 fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
     let by_flow = evidence(&told(Suspect::C1, Testimony::Flow));

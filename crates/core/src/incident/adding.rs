@@ -4,7 +4,7 @@ use super::{Excursion, Incident, Outset, Part, Progress, QUANTITIES, Quantities,
 use crate::alarm::detector::PLACES;
 use crate::alarm::{Finding, Level, State, Warning};
 use crate::time::Timestamp;
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, Suspect, Testimony};
 
 impl Incident {
     /// An incident that begins with `warning`, which it does not yet include.
@@ -78,6 +78,10 @@ impl Part {
             (own.fault, own.suspect) = (fault, suspect);
             own.evidence = evidence.or(own.evidence);
             own.device = device.or(own.device);
+            if evidence.is_some_and(|it| it.by == Some(Testimony::Way)) {
+                // What the observer rose by before is another quantity.
+                (own.residual, own.threshold) = (finding.residual, finding.threshold);
+            }
             return;
         }
         if own.suspect == Suspect::Undecided {

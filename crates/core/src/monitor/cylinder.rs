@@ -269,11 +269,11 @@ impl Cylinder {
         self.commands.take(command);
         self.judge_measured(now.at, &readings);
         if self.sequential.is_some() {
-            self.judge_beside_sequential(&residuals, good);
+            self.judge_beside_sequential(now.opened, &residuals, good);
         }
         if self.process.is_some() {
             self.judge_process(now, good);
-            self.reckon_by_oil(good);
+            self.reckon_by_oil(now.opened, good);
         }
         self.judge_precedence();
         let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();

@@ -43,9 +43,11 @@ pub enum Testimony {
     Flow,
     /// The attitude of the deck.
     Attitude,
+    /// The rod's way by dead reckoning.
+    Way,
 }
 
-choice! { Testimony { Innovations, Stop, Flow, Attitude } }
+choice! { Testimony { Innovations, Stop, Flow, Attitude, Way } }
 
 impl Testimony {
     /// Whether it knows how the rod itself has moved, which the difference of the readings does not.

@@ -13,7 +13,7 @@ use crate::observe::observer::{Measurement, ObserverDesign};
 use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
 use crate::state::{state, whole};
-use crate::time;
+use crate::time::{self, Timestamp};
 use crate::verdict::VerdictParameters;
 use nalgebra::Vector3;
 
@@ -55,6 +55,8 @@ pub struct CourseError {
     pub error: f64,
     /// What it was compared with, m.
     pub limit: f64,
+    /// Window in which it has come about, s.
+    pub seconds: f64,
 }
 
 /// The readings of one transducer less dead reckoning.
@@ -269,7 +271,8 @@ impl DeadReckoning {
             beyond[side] |= u8::from(is_beyond) << window;
             // A wild reading at a tick is beyond it once in each direction.
             if is_beyond && self.courses[i].beyond[side] & beyond[side] != 0 {
-                found = Some(CourseError { error, limit });
+                let seconds = self.parameters.reckoned * f64::from(ticks as u32);
+                found = Some(CourseError { error, limit, seconds });
             }
         }
         if self.calm > 1 && self.held > 0 {
@@ -311,7 +314,7 @@ impl Cylinder {
 
     /// Takes a cycle until which the oil has given the velocity.
     #[inline]
-    pub(super) fn reckon_by_oil(&mut self, good: [Option<Measurement>; 2]) {
+    pub(super) fn reckon_by_oil(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
         if !self.reckons_by(WaySource::Oil) {
             return;
         }
@@ -319,18 +322,18 @@ impl Cylinder {
         let Some(reckoning) = &mut self.reckoning else { return };
         reckoning.go(velocity);
         if reckoning.begin() {
-            self.judge_reckoning(good);
+            self.judge_reckoning(at, good);
         }
     }
 
     /// Takes a cycle in which the drive has given the velocity.
     #[inline]
-    pub(super) fn reckon_by_drive(&mut self, good: [Option<Measurement>; 2]) {
+    pub(super) fn reckon_by_drive(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
         if !self.reckons_by(WaySource::Drive) {
             return;
         }
         let sequential = self.sequential.as_deref();
-        self.reckon(good, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
+        self.reckon(at, good, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
     }
 
     /// The same of a cylinder with one transducer, by the model alone.
@@ -351,13 +354,13 @@ impl Cylinder {
         let by = &self.design.observers[0];
         let length = good[0].or(good[1]).filter(|_| is_open);
         let velocity = length.and_then(|it| reckoning.model.step(by, it.position, command));
-        self.reckon(good, velocity);
+        self.reckon(now.opened, good, velocity);
     }
 
     #[inline(always)]
-    fn reckon(&mut self, good: [Option<Measurement>; 2], velocity: Option<f64>) {
+    fn reckon(&mut self, at: Timestamp, good: [Option<Measurement>; 2], velocity: Option<f64>) {
         if self.reckoning.as_mut().is_some_and(|it| it.begin()) {
-            self.judge_reckoning(good);
+            self.judge_reckoning(at, good);
         }
         if let Some(reckoning) = &mut self.reckoning {
             reckoning.go(velocity);
@@ -366,7 +369,7 @@ impl Cylinder {
 
     /// Judges a last transducer at a tick, and latches one that departs from dead reckoning.
     #[inline(never)]
-    fn judge_reckoning(&mut self, good: [Option<Measurement>; 2]) {
+    fn judge_reckoning(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
         // A stretch that began with a wild reading would be off for good.
         let readings =
             [0, 1].map(|i| good[i].filter(|_| !self.bank.is_open(i)).map(|it| it.position));
@@ -383,7 +386,7 @@ impl Cylinder {
         } else if is_elsewhere {
             reckoning.pause();
         } else if let Some((i, error)) = alone.zip(reckoning.judge(readings, alone, is_calm)) {
-            self.latch_course_error(i, error);
+            self.latch_course_error(i, error, at);
         }
     }
 }

@@ -203,11 +203,12 @@ impl Cylinder {
     #[inline(never)]
     pub(super) fn judge_beside_sequential(
         &mut self,
+        at: Timestamp,
         residuals: &Residuals,
         good: [Option<Measurement>; 2],
     ) {
         self.judge_agreement(residuals);
-        self.reckon_by_drive(good);
+        self.reckon_by_drive(at, good);
     }
 
     /// Whether C1 and C2 agree with each other while an observer disagrees with one of them.

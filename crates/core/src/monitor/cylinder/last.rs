@@ -14,14 +14,14 @@ mod usual;
 
 use super::dead_reckoning::CourseError;
 use super::{Cylinder, Evaluation, TRANSDUCERS};
-use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
+use crate::alarm::{Evidence, Finding};
 use crate::observe::observer::Measurement;
 use crate::sample::plausibility::NOWHERE;
 use crate::sample::{Quality, Transducer};
 use crate::state::whole;
-use crate::time;
-use crate::verdict::{Fault, Residuals, Suspect, Verdict, bank::Detection};
+use crate::time::{self, Span, Timestamp};
+use crate::verdict::{Fault, Residuals, Suspect, Testimony, Verdict, bank::Detection};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
 use stop::Rest;
 use usual::{MotionRange, UsualMotion};
@@ -264,7 +264,8 @@ impl Cylinder {
         let confirmed = watched.confirm(residual, &limits);
         if watched.latch.is_none() {
             let fault = found.map_or(Fault::Unclassified, |found| found.fault);
-            watched.latch = confirmed.map(|residual| Latch { fault, residual, threshold: high });
+            watched.latch =
+                confirmed.map(|residual| Latch { fault, residual, threshold: high, departs: None });
         } else if let (Some(latch), Some(found)) = (&mut watched.latch, found) {
             latch.fault = found.fault;
         }
@@ -324,9 +325,11 @@ impl Cylinder {
     /// Latches transducer `i`, whose reading departs from dead reckoning. So does that of a cylinder that does not follow its
     /// command, unless a process detector has found why; either way nothing is left to rely on.
     #[cold]
-    pub(super) fn latch_course_error(&mut self, i: usize, error: CourseError) {
-        let CourseError { error: residual, limit: threshold } = error;
-        self.last.of[i].latch = Some(Latch { fault: Fault::Incipient, residual, threshold });
+    pub(super) fn latch_course_error(&mut self, i: usize, error: CourseError, at: Timestamp) {
+        let CourseError { error: residual, limit: threshold, seconds } = error;
+        let departs = Some(at.after(Span::from_seconds(-seconds)));
+        self.last.of[i].latch =
+            Some(Latch { fault: Fault::Incipient, residual, threshold, departs });
         self.last.is_attended = true;
     }
 
@@ -351,11 +354,20 @@ impl Cylinder {
             let found = found.filter(|_| self.last.names(i))?;
             return Some(self.observer_finding(Detection { suspect: NAMES[i], ..found }));
         };
-        let Latch { fault, residual, threshold } = latch;
+        let Latch { fault, residual, threshold, departs } = latch;
         let latched = Detection { fault, suspect: NAMES[i], residual, threshold };
-        let found = found.unwrap_or(latched);
+        let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
         let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
-        Some(Finding { level: self.design.levels.both, ..finding })
+        let deviations = self.design.bank.parameters.reckoned_deviations * residual / threshold;
+        let evidence = departs.map(|onset| Evidence {
+            fault: 0.5 * deviations * deviations,
+            location: None,
+            by: Some(Testimony::Way),
+            onset,
+            gain: None,
+            size: None,
+        });
+        Some(Finding { level: self.design.levels.both, evidence, ..finding })
     }
 }
 

@@ -1,6 +1,7 @@
 //! From innovations of the last transducer to a displacement of it.
 
 use crate::state::whole;
+use crate::time::Timestamp;
 use crate::verdict::Fault;
 
 /// A displacement of the last transducer, found once and not refuted since.
@@ -11,9 +12,11 @@ pub struct Latch {
     pub residual: f64,
     /// What that exceeded, m.
     pub threshold: f64,
+    /// Since when the reading departs from dead reckoning, where that showed it.
+    pub departs: Option<Timestamp>,
 }
 
-whole! { Latch { fault, residual, threshold } }
+whole! { Latch { fault, residual, threshold, departs } }
 
 /// An innovation that may be a displacement.
 #[derive(Clone, Copy, Debug)]
