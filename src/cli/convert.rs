@@ -12,8 +12,7 @@ use crate::bus::{
     Unsayable, Written,
 };
 use crate::frame::{Frame, Kind};
-use crate::report::counted;
-use crate::report::times;
+use crate::report::{counted, times};
 use crate::time::Timestamp;
 use clap::Args;
 use clap::builder::PossibleValuesParser;

@@ -204,7 +204,7 @@ fn both_that_freeze_at_once_are_both_named() {
     }
 }
 
-/// What stands exactly while its command travels is not known to be right, before it is frozen and after.
+/// Such a reading is not known to be right, whether it counts as frozen yet or not.
 #[test]
 fn readings_that_stand_under_a_command_that_travels_are_not_healthy() {
     let setup = machine(fine(&[], ""));

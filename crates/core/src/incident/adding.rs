@@ -79,7 +79,7 @@ impl Part {
             own.evidence = evidence.or(own.evidence);
             own.device = device.or(own.device);
             if evidence.is_some_and(|it| it.by == Some(Testimony::Way)) {
-                // What the observer rose by before is another quantity.
+                // The innovation by which the observer rose before is another quantity.
                 (own.residual, own.threshold) = (finding.residual, finding.threshold);
             }
             return;

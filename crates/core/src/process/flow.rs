@@ -128,7 +128,7 @@ pub struct Flow {
     block: u32,
     /// `None` until a cycle is known.
     open: Option<OpenBlock>,
-    /// What the oil has moved the rod by since the cycle before, m/s; `None` where that was not taught.
+    /// Speed at which the oil has moved the rod since the cycle before, m/s; `None` where that was not taught.
     speed: Option<f64>,
 }
 

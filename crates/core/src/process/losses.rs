@@ -16,7 +16,7 @@ whole! { Losses { sum, row } }
 
 impl Losses {
     /// Takes whether a reading of this cycle is lost; returns whether many are, which lasts for so many `cycles` after them at
-    /// the most. From so many in a row on that are `steady`, they are gone for good.
+    /// the most. After `steady` lost readings in a row the transducer is gone for good.
     #[inline(always)]
     pub fn take(&mut self, is_lost: bool, cycles: u32, steady: u32) -> bool {
         (is_lost || self.sum | self.row > 0) && self.count(is_lost, cycles, steady)

@@ -27,7 +27,8 @@ pub struct ProcessParameters {
     pub losses: u32,
     /// … and that many for so long after them at the most, s.
     pub lost_for: f64,
-    /// Readings that are lost for so long in a row are gone for good, s.
+    /// A transducer without any reading for this long is gone for good, s; beyond `lost_for`. One of which a reading in a
+    /// hundred comes is not.
     pub gone: f64,
     /// Displacement of the chambers' sum that is no fault, bar.
     pub chambers_band: f64,

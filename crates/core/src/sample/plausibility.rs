@@ -42,7 +42,8 @@ pub const UNWITNESSED: u32 = 5;
 /// Factor on [`PlausibilityLimits::driven`] where the command went one way only, to where the reading has been.
 const ONE_WAY: f64 = 2.0;
 
-/// Part of [`PlausibilityLimits::driven`] from which on a reading that stands is not known to be right.
+/// Part of [`PlausibilityLimits::driven`] from which on a reading that stands is not known to be right: with the default
+/// bound of R3 that is a command for 10 mm, behind which no friction holds a rod.
 const LEFT_STANDING: f64 = 0.25;
 
 /// Most cycles in a row in which a frame came for another cycle and that do not age a reading: after a clock was set, or a bus
@@ -234,11 +235,12 @@ impl Plausibility {
         self.still.cycles > 0 && self.still.travelled >= 0.5 * self.limits.travel
     }
 
-    /// Whether the reading has stood while the command went on, though not yet for long enough to be frozen. All twelve that
-    /// froze at once were healthy for two seconds, in which nothing was left to find.
+    /// Whether the reading has stood while the command went on, even if not yet for long enough to be frozen. When all
+    /// twelve froze at once, they were healthy for two seconds.
+    #[inline]
     pub fn is_left_standing(&self) -> bool {
-        let way = self.drive.ways[0].max(self.drive.ways[1]);
-        self.still.cycles >= self.limits.frozen && way >= LEFT_STANDING * self.limits.driven
+        let is_far = |way: &f64| *way >= LEFT_STANDING * self.limits.driven;
+        self.still.cycles >= self.limits.frozen && self.drive.ways.iter().any(is_far)
     }
 
     /// Whether the other transducer has moved while this one was held, so that the rod does not

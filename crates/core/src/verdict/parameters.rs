@@ -54,8 +54,8 @@ pub struct VerdictParameters {
     pub reckoned: f64,
     /// The usual error of a window is a mean over this time, s; some dozen times the longest window.
     pub reckoned_memory: f64,
-    /// What dead reckoning is off by is followed with this time constant, s; 60 to 300. While oil warmed, it went from 0.7 to
-    /// −1 mm/s in 25 minutes.
+    /// The mean error of dead reckoning is followed with this time constant, s; 60 to 300. While oil warmed, it went from 0.7
+    /// to −1 mm/s in 25 minutes.
     pub reckoned_bias: f64,
     /// Without a drive the model goes alone; its pressure has a time constant of 10 s by Table 4-1, and is used after so long, s.
     pub reckoned_settling: f64,

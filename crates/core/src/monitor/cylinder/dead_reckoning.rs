@@ -1,4 +1,4 @@
-//! The last transducer of a cylinder against dead reckoning: the way that the command alone has moved the rod.
+//! The last transducer of a cylinder against dead reckoning: the way that its oil, or its command alone, has moved the rod.
 //!
 //! An observer follows a drift of the reading that corrects it: where nothing was left to compare with, drifts of 50 mm/s
 //! went on until the reading left its range. Nothing corrects dead reckoning. By the command it is off by some millimetres
@@ -148,8 +148,8 @@ pub struct DeadReckoning {
     usual: [Mean; WINDOWS],
     /// Mean distance of a tick then, m.
     pace: Mean,
-    /// What a tick is off by, m, which is followed: oil that leaks more as it warms, or a valve whose null moves, would add
-    /// up to more than all else.
+    /// Mean error of a tick, m, which is followed: oil that leaks more as it warms, or a valve whose null moves, would add up
+    /// to more than all else.
     bias: Mean,
 }
 

@@ -144,7 +144,7 @@ impl Cylinder {
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, mut good: [Option<Measurement>; 2]) {
         let (is_doubted, asked) = self.doubts();
-        // What was out before what is found now, and gives no reading, is not what the controller follows.
+        // The controller does not follow a transducer that was out before and gives no reading.
         let is_without = self.alone().is_some_and(|i| good[1 - i].is_none());
         let held = is_doubted && !is_without;
         if self.bank.is_exceeded() {

@@ -358,6 +358,7 @@ impl Cylinder {
         let latched = Detection { fault, suspect: NAMES[i], residual, threshold };
         let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
         let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
+        // As improbable as a Gaussian error of so many deviations.
         let deviations = self.design.bank.parameters.reckoned_deviations * residual / threshold;
         let evidence = departs.map(|onset| Evidence {
             fault: 0.5 * deviations * deviations,

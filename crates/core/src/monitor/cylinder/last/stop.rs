@@ -29,7 +29,7 @@ impl Rest {
     }
 
     /// Takes a reading; one that is farther than `far` from the mean, m, begins anew. A rod that still retracts passes by
-    /// every mean, and that of its last stay among them. It stands after so many cycles.
+    /// every mean, and that of its last stay among them. The rod stands after `stands` readings.
     fn take(&mut self, reading: f64, far: f64, stands: u32) {
         if (reading - self.mean()).abs() > far {
             (self.sum, self.count) = (0.0, 0);
