@@ -329,6 +329,22 @@ mod tests {
         assert_eq!(taught, [false, true, true, false, false, false]);
     }
 
+    /// Where no reading is, the oil still gives the speed.
+    #[test]
+    fn the_speed_is_that_of_positions_that_were_taught_whatever_is_read() {
+        let mut flow = Flow::new(design(), 0.02);
+        for (spool, is_taught) in [(-10.0, true), (10.0, false), (-60.0, false)] {
+            for lengths in [None, Some([0.0; 2])] {
+                flow.reset();
+                let it = FlowSample { lengths, spool, ..sample(0, 0.0) };
+                flow.step(Some(it));
+                assert_eq!(flow.speed(), None, "it has none before");
+                flow.step(Some(it));
+                assert_eq!(flow.speed().is_some(), is_taught, "{spool}, {lengths:?}");
+            }
+        }
+    }
+
     #[test]
     fn nothing_is_said_of_positions_that_were_not_taught_nor_over_a_gap() {
         let mut flow = Flow::new(design(), 0.02);
@@ -339,8 +355,10 @@ mod tests {
         let unread = |k| FlowSample { lengths: None, ..sample(k, 0.0) };
         assert_eq!(blocks(&mut (0..40).map(|k| Some(out(k)))), 0);
         assert_eq!(blocks(&mut (0..22).map(|k| (k % 11 < 10).then(|| sample(k, 0.0)))), 0);
-        let gaps = |k| if k % 11 < 10 { sample(k, 0.0) } else { unread(k) };
-        assert_eq!(blocks(&mut (0..22).map(|k| Some(gaps(k)))), 0, "an end without a reading");
+        for gap in [4, 10] {
+            let gaps = |k| if k % 11 == gap { unread(k) } else { sample(k, 0.0) };
+            assert_eq!(blocks(&mut (0..gap + 23).map(|k| Some(gaps(k)))), 0, "{gap}");
+        }
         assert_eq!(blocks(&mut (0..22).map(|k| (k % 12 < 11).then(|| sample(k, 0.0)))), 1);
     }
 }
