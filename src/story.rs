@@ -247,6 +247,10 @@ pub fn advice(incident: &Incident, names: &MachineNames) -> String {
             controller's timing."
                 .to_owned()
         }
+        (Suspect::Process, _) if evidence::is_common(incident) => {
+            "Look at what C1 and C2 share: their supply, cable, input card and mounting. Then at the cylinder and its valve."
+                .to_owned()
+        }
         (Suspect::Process, _) => {
             "Look at the cylinder, its valve and its supply. If nothing is wrong \
             there, the model no longer fits: identify it on a newer recording."

@@ -30,10 +30,21 @@ pub fn evidence(incident: &Incident) -> String {
 /// Whom the evidence names, and when it did so; where that was not at once, also by which detector.
 fn conclusion(incident: &Incident) -> String {
     let is_alone = incident.is_alone();
-    if let (Some((name, _)), Suspect::C1 | Suspect::C2) = (departure(incident), incident.suspect) {
-        return format!(
-            "{name} is blamed, but a cylinder that leaks or a valve that has changed looks the same"
-        );
+    if let Some(part) = common_jump(incident) {
+        let jump = millimetres(part.finding.residual.unwrap_or_default().abs());
+        return format!("both jumped by {jump}, as no rod does, so it is what C1 and C2 share");
+    }
+    match (departure(incident), incident.suspect) {
+        (Some((name, _)), Suspect::C1 | Suspect::C2) => {
+            return format!(
+                "{name} is blamed, but a cylinder that leaks or a valve that has changed looks the same"
+            );
+        }
+        (Some(_), Suspect::Process) => {
+            return "either C1 and C2 share a fault, or the cylinder does not follow its valve"
+                .to_owned();
+        }
+        _ => {}
     }
     let by_observer = incident.part(WarningPlace::Fde1).is_some()
         && incident.part(WarningPlace::PlausibilityOfC1).is_none()
@@ -156,10 +167,28 @@ fn departs(part: &Part) -> bool {
     part.finding.evidence.is_some_and(|it| it.by == Some(Testimony::Way))
 }
 
-/// The transducer that departs from dead reckoning, with what was found.
+/// What both readings have jumped by together, which is latched.
+fn common_jump(incident: &Incident) -> Option<&Part> {
+    let is_jump = |part: &&Part| {
+        part.finding.suspect == Suspect::Process
+            && part.finding.evidence.is_some_and(|it| it.by == Some(Testimony::Innovations))
+    };
+    incident.part(WarningPlace::Fde1).filter(is_jump)
+}
+
+/// Whether C1 and C2 may share a fault.
+pub(super) fn is_common(incident: &Incident) -> bool {
+    common_jump(incident).is_some() || departure(incident).is_some()
+}
+
+/// The transducer that departs from dead reckoning, or both, with what was found.
 pub(super) fn departure(incident: &Incident) -> Option<(&'static str, &Part)> {
     let places = [(WarningPlace::Fde1, "C1"), (WarningPlace::Fde2, "C2")];
-    let of = |(place, name)| Some((name, incident.part(place).filter(|part| departs(part))?));
+    let of = |(place, name)| {
+        let part = incident.part(place).filter(|part| departs(part))?;
+        let is_of_both = part.finding.suspect == Suspect::Process;
+        Some((if is_of_both { "what C1 and C2 read" } else { name }, part))
+    };
     places.into_iter().find_map(of)
 }
 

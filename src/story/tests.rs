@@ -155,6 +155,32 @@ fn a_departure_from_dead_reckoning_is_told_with_what_looks_the_same() {
 }
 
 #[test]
+fn what_both_readings_share_is_told_as_such() {
+    let words = [
+        (
+            Testimony::Innovations,
+            "both jumped by 30.0 mm, as no rod does, so it is what C1 and C2 share",
+        ),
+        (
+            Testimony::Way,
+            "either C1 and C2 share a fault, or the cylinder does not follow its valve",
+        ),
+    ];
+    for (by, end) in words {
+        let shared = Finding {
+            residual: Some(0.03),
+            threshold: Some(0.012),
+            ..finding(Suspect::Process, Some(by))
+        };
+        let incident = alone_by(WarningPlace::Fde1, shared, 0.2e-3);
+        let told = evidence(&incident);
+        assert!(told.ends_with(end), "{told}");
+        let advice = advice(&incident, &MachineNames::default());
+        assert!(advice.starts_with("Look at what C1 and C2 share"), "{advice}");
+    }
+}
+
+#[test]
 fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
     let by_flow = evidence(&told(Suspect::C1, Testimony::Flow));
     let end = "C2's observer stayed quiet (0.20 mm of 1.00 mm); the difference stayed quiet (1.10 mm of 1.50 mm); the \

@@ -2,6 +2,7 @@
 
 use crate::sequential_support::setup;
 use std::sync::LazyLock;
+use tertius::alarm::status::Health;
 use tertius::alarm::{Detector, Level, State, Warning};
 use tertius::config;
 use tertius::config::design;
@@ -13,6 +14,7 @@ use tertius::monitor::{Monitor, MonitorDesign};
 use tertius::relate::{LearntProcess, ProcessRefusal, ProcessRows, SupplyRows};
 use tertius::simulator::{Change, EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Ranking, Survey, Window};
+use tertius::time::Span;
 use tertius::verdict::{Fault as Kind, Suspect};
 use tertius_testing::support::top;
 
@@ -285,6 +287,43 @@ fn a_drift_of_the_last_transducer_departs_from_the_oil() {
             it.timestamp.since(EPOCH).as_seconds() - 270.0
         });
         assert_eq!(after.is_some_and(|it| (0.0..20.0).contains(&it)), n <= 3, "{n}: {after:?}");
+    }
+}
+
+/// As where they share a supply or an input card: their difference is zero, and both observers follow. The controller takes
+/// the rod back by as much.
+#[test]
+fn both_that_step_alike_depart_from_the_way_until_they_are_back() {
+    let faults: Vec<String> = [(2, 0.03), (5, -0.04)]
+        .iter()
+        .flat_map(|(n, size)| {
+            ["c1", "c2"].map(|sensor| {
+                format!("step,cylinder={n},sensor={sensor},at=200,until=260,size={size}")
+            })
+        })
+        .collect();
+    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
+    let (mut monitor, mut warnings) = (Monitor::new(TAUGHT.design.clone()), Vec::new());
+    let mut healthy = Vec::new();
+    let mut simulator = simulator(&TAUGHT.tables, &TAUGHT.settings, &TAUGHT.database, 35, &faults);
+    for cycle in 0..15_000_u32 {
+        simulator.step(&mut |frame| monitor.take(frame, &mut warnings));
+        let at = 0.02 * f64::from(cycle);
+        let status = monitor.status(EPOCH.after(Span::from_seconds(at)));
+        healthy.push((at, status.transducers.map(|it| it == [Health::Healthy; 2])));
+    }
+    monitor.finish(&mut warnings);
+    let other = warnings.iter().find(|it| it.finding.suspect != Suspect::Process);
+    assert!(other.is_none(), "{other:?}");
+    for n in [2, 5] {
+        let is_healthy = |since: f64, until: f64| {
+            let during = healthy.iter().filter(|(at, _)| (since..until).contains(at));
+            during.map(|(_, of)| of[n - 1]).collect::<Vec<bool>>()
+        };
+        assert!(is_healthy(190.0, 200.0).iter().all(|it| *it), "{n}");
+        assert!(!is_healthy(200.1, 260.0).contains(&true), "{n}");
+        // The oil that passed the valve had taken the way back for that of the rod.
+        assert!(is_healthy(295.0, 300.0).iter().all(|it| *it), "{n}");
     }
 }
 

@@ -64,6 +64,22 @@ fn a_drift_of_the_last_transducer_is_found_by_dead_reckoning() {
     assert_found((&yard, &config), &faults, "c2", begin, 3.0);
 }
 
+/// As of a supply that C1 and C2 share: their difference is zero, and both observers follow.
+#[test]
+fn a_drift_that_both_have_in_common_is_found_by_dead_reckoning() {
+    let yard = Yard::new();
+    let config = yard.path("config.toml");
+    let lesson = yard.simulate("lesson.log", ["1.5,7", "31"], 700, &[]);
+    tertius(&["calibrate", &lesson, "--config", &config, "--into", &config]).ok();
+    let begin = |n: u32| 330.0 + 10.0 * f64::from(n);
+    let drifts = |n: u32| {
+        ["c1", "c2"]
+            .map(|sensor| format!("drift,cylinder={n},sensor={sensor},at={},rate=0.015", begin(n)))
+    };
+    let faults: Vec<_> = (1..=4).flat_map(drifts).collect();
+    assert_found((&yard, &config), &faults, "process", begin, 10.0);
+}
+
 /// Without a second transducer no drive is learnt, and the model itself gives the velocity.
 #[test]
 fn a_fast_drift_of_an_only_transducer_is_found_by_the_model() {

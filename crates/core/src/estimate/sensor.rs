@@ -57,6 +57,8 @@ pub struct SensorInput {
     pub resolved: bool,
     /// Whether the rod does not follow the command.
     pub process: bool,
+    /// What both readings may be off by alike, m.
+    pub departs: f64,
     /// Transducers that are blamed for a step, and for nothing else.
     pub displaced: [bool; 2],
     /// Transducers whose residual is beyond its threshold in this cycle.
@@ -225,7 +227,8 @@ impl VirtualSensor {
         self.startled =
             startling.fold(self.cycles.difference_left * self.startled, |all, it| all.max(it));
         // The filters were measured where the rod follows the command; where it does not they lag behind it.
-        let variance = variance + if input.process { self.startled * self.startled } else { 0.0 };
+        let astray = self.startled.max(input.departs);
+        let variance = variance + if input.process { astray * astray } else { 0.0 };
         let follows = |i: usize| self.filters[i].evidence()[1] >= self.design.settle;
         let able = (0..2).all(|i| !used[i] || follows(i));
         let told = Carrier { x, variance, coasted: 0, able };

@@ -54,6 +54,7 @@ fn sound(cycle: u64) -> SensorInput {
         beyond: [false; 2],
         doubted: false,
         process: false,
+        departs: 0.0,
     }
 }
 
@@ -175,6 +176,7 @@ fn one_alone_needs_a_model_that_is_not_in_doubt() {
         (SensorInput { undecided: true, ..blamed(LEARNT) }, false),
         (SensorInput { process: true, ..blamed(LEARNT) }, false),
         (SensorInput { process: true, ..sound(LEARNT) }, true),
+        (SensorInput { process: true, departs: 0.01, ..sound(LEARNT) }, false),
     ] {
         assert_eq!(told(&mut learnt(), input).valid, valid, "{input:?}");
     }

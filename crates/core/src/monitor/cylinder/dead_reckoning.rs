@@ -1,21 +1,27 @@
-//! The last transducer of a cylinder against dead reckoning: the way that its oil, or its command alone, has moved the rod.
+//! The readings of a cylinder against dead reckoning: the way that its oil, or its command alone, has moved the rod.
 //!
 //! An observer follows a drift of the reading that corrects it: where nothing was left to compare with, drifts of 50 mm/s
 //! went on until the reading left its range. Nothing corrects dead reckoning. By the command it is off by some millimetres
 //! a second, by the load, the oil and the bends of the valve, and by more the faster the rod goes; by the oil that passes
 //! the valve it is off by less. An error of the reading is therefore looked for in windows of half a second to a minute,
 //! and compared with the usual error of such a window.
+//!
+//! Two readings that agree are judged by what both are off by: a fault that they have in common, of a supply or an input
+//! card, leaves their difference at zero, and the observers follow it.
 
+mod free_model;
+
+use super::last::{SharedDeparture, common};
 use super::{Cylinder, CylinderDesign, Evaluation, TRANSDUCERS};
 use crate::estimate::mean::Mean;
 use crate::monitor::gate::Opening;
-use crate::observe::observer::{Measurement, ObserverDesign};
+use crate::observe::observer::Measurement;
 use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
-use crate::state::{state, whole};
+use crate::state::state;
 use crate::time::{self, Timestamp};
 use crate::verdict::VerdictParameters;
-use nalgebra::Vector3;
+use free_model::FreeModel;
 
 /// What gives the rod's way, the best one first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +65,17 @@ pub struct CourseError {
     pub seconds: f64,
 }
 
+/// What is compared with dead reckoning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// The only transducer that is left.
+    Alone(usize),
+    /// Both, which agree.
+    Together,
+    /// Neither: they differ, or one has no reading.
+    Neither,
+}
+
 /// The readings of one transducer less dead reckoning.
 #[derive(Clone, Debug)]
 struct Course {
@@ -83,34 +100,6 @@ impl Course {
         let goes_on = self.origin.is_some();
         self.error = apart - *self.origin.get_or_insert(apart - self.error);
         goes_on
-    }
-}
-
-/// The model (4-1) that no reading corrects but in its length, where no drive was learnt.
-#[derive(Clone, Copy, Debug)]
-struct FreeModel {
-    x: Vector3<f64>,
-    /// Newest command, m/s.
-    command: f64,
-    /// Cycles until nothing is left of what it began with.
-    settling: u32,
-}
-
-whole! { FreeModel { x, command, settling } }
-
-impl FreeModel {
-    fn new(settling: u32) -> Self {
-        Self { x: Vector3::zeros(), command: 0.0, settling }
-    }
-
-    /// Velocity until the next cycle, m/s, once it has settled.
-    fn step(&mut self, by: &ObserverDesign, length: f64, command: Option<f64>) -> Option<f64> {
-        self.command = command.unwrap_or(self.command);
-        self.x[0] = length;
-        let velocity = self.x[1];
-        self.x = by.a * self.x + by.b * self.command;
-        self.settling = self.settling.saturating_sub(1);
-        (self.settling == 0 && velocity.is_finite()).then_some(velocity)
     }
 }
 
@@ -205,7 +194,7 @@ impl DeadReckoning {
     }
 
     /// Drops the errors so far, which are the cylinder's.
-    fn forget(&mut self) {
+    pub fn forget(&mut self) {
         self.pause();
         (self.held, self.calm) = (0, 0);
     }
@@ -230,12 +219,12 @@ impl DeadReckoning {
         }
     }
 
-    /// Takes the readings of a tick, m: judges transducer `alone`, and learns the usual errors while nothing is found of the
+    /// Takes the readings of a tick, m: judges what is `compared`, and learns the usual errors while nothing is found of the
     /// cylinder (`is_calm`).
     fn judge(
         &mut self,
         readings: [Option<f64>; 2],
-        alone: Option<usize>,
+        compared: Compared,
         is_calm: bool,
     ) -> Option<CourseError> {
         self.way += self.bias.value();
@@ -244,22 +233,27 @@ impl DeadReckoning {
             return None;
         }
         self.calm = if is_calm { self.calm.saturating_add(1) } else { 0 };
-        let i = alone.unwrap_or_default();
+        let of = if let Compared::Alone(i) = compared { [i; 2] } else { [0, 1] };
         let (mut beyond, mut found) = ([0_u8; 2], None);
         for window in 0..WINDOWS {
             let ticks = 1 << window;
-            // Windows that overlap are no lessons of their own.
-            let is_lesson = self.calm as usize > ticks && self.next.is_multiple_of(ticks);
-            if ticks > self.held || alone.is_none() && !is_lesson {
+            let is_judged = compared != Compared::Neither;
+            // The bias is followed all the same: a pair that differs for half an hour, as it warms, may agree again.
+            if ticks > self.held || !is_judged && window > 0 {
                 break;
             }
+            // Windows that overlap are no lessons of their own.
+            let is_lesson =
+                is_judged && self.calm as usize > ticks && self.next.is_multiple_of(ticks);
             let since = (self.next + HELD - ticks) % HELD;
-            let error = self.courses[i].error - self.courses[i].errors[since];
+            let error = common(of.map(|i| self.courses[i].error - self.courses[i].errors[since]));
+            // Nearly always it is far below any limit.
+            let is_small = !is_judged || error.abs() <= 0.5 * self.least;
             let gone = self.distance - self.distances[since];
-            // Beside another reading nothing is learnt of a faulty one, so that no error has to be bounded.
-            let limit = alone.and_then(|_| self.limit(window, gone)).unwrap_or(f64::INFINITY);
+            let limit = if is_small { None } else { self.limit(window, gone) };
+            let limit = limit.unwrap_or(f64::INFINITY);
             if is_lesson {
-                // A drift of an only transducer would become usual before it is found.
+                // A drift would become usual before it is found.
                 let counted = error.abs().min(0.5 * limit);
                 self.usual[window].add(counted * counted, self.memory >> window);
             }
@@ -270,7 +264,7 @@ impl DeadReckoning {
             let (side, is_beyond) = (usize::from(error < 0.0), error.abs() > limit);
             beyond[side] |= u8::from(is_beyond) << window;
             // A wild reading at a tick is beyond it once in each direction.
-            if is_beyond && self.courses[i].beyond[side] & beyond[side] != 0 {
+            if is_beyond && self.courses[of[0]].beyond[side] & beyond[side] != 0 {
                 let seconds = self.parameters.reckoned * f64::from(ticks as u32);
                 found = Some(CourseError { error, limit, seconds });
             }
@@ -280,7 +274,7 @@ impl DeadReckoning {
             self.pace.add(self.distance - self.distances[before], self.memory);
         }
         self.courses.iter_mut().for_each(|course| course.beyond = [0; 2]);
-        self.courses[i].beyond = beyond;
+        self.courses[of[0]].beyond = beyond;
         self.push();
         found
     }
@@ -379,14 +373,17 @@ impl Cylinder {
         let is_elsewhere = self.commands.is_beyond()
             || readings.into_iter().flatten().any(|it| self.is_near_end(it))
             || self.has_idle_valve();
-        let (alone, is_calm) = (self.alone(), !self.finds_anything());
+        let (compared, is_calm) = (self.compared(readings), !self.finds_anything());
         let Some(reckoning) = &mut self.reckoning else { return };
         if is_explained {
             reckoning.forget();
+            self.last.shared = self.last.shared.filter(SharedDeparture::is_jump);
         } else if is_elsewhere {
             reckoning.pause();
-        } else if let Some((i, error)) = alone.zip(reckoning.judge(readings, alone, is_calm)) {
-            self.latch_course_error(i, error, at);
+        } else if let Some(error) = reckoning.judge(readings, compared, is_calm) {
+            // It would be found again at the next tick, and its end as another one.
+            reckoning.forget();
+            self.take_course_error(compared, error, at);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Inputs of the virtual sensor in a cycle.
 
+use super::last::SharedDeparture;
 use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::{PLACES, WarningPlace};
@@ -66,6 +67,7 @@ impl Cylinder {
             undecided: (blames(Suspect::Undecided) || is_parted) && unblamed == [true; 2],
             resolved: is_resolved(&found),
             process: blames(Suspect::Process),
+            departs: self.last.shared.as_ref().map_or(0.0, SharedDeparture::size),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
             beyond: [0, 1].map(|i| residuals.r[i].is_some_and(is_beyond)),
             doubted: self.is_last_doubted(&found, unblamed),

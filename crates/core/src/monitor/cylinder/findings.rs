@@ -14,6 +14,7 @@ impl Cylinder {
     pub fn finds_anything(&self) -> bool {
         self.detects_anything()
             || self.last.any_latched()
+            || self.last.shared.is_some()
             || self.tilted.is_some()
             || self.plausibility.iter().any(|it| it.quality() == Quality::Doubtful)
             || self.implausible.iter().any(Implausible::raised)
@@ -39,7 +40,9 @@ impl Cylinder {
         for (i, place) in [WarningPlace::Fde1, WarningPlace::Fde2].into_iter().enumerate() {
             let found = [fde1, fde2][i];
             let usual = || found.map(|detection| of_observer(i, detection));
-            put(place, self.last_finding(i, found).or_else(usual));
+            // What both are off by comes after all that names one of them.
+            let shared = || self.shared_finding().filter(|_| place == WarningPlace::Fde1);
+            put(place, self.last_finding(i, found).or_else(usual).or_else(shared));
         }
         let fde3 = fde3.map(|detection| self.named(detection));
         put(WarningPlace::Fde3, self.difference_finding(fde3).map(|it| self.in_time(it)));

@@ -8,20 +8,21 @@
 //! The observer is evidence only in the motion in which it was quiet before. A controller that follows a faulty C1, or
 //! a rod that it drives to its end, makes the observer of a sound C2 disagree, too.
 
+mod departing;
 mod displacement;
 mod stop;
 mod usual;
 
-use super::dead_reckoning::CourseError;
 use super::{Cylinder, Evaluation, TRANSDUCERS};
+use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
-use crate::alarm::{Evidence, Finding};
 use crate::observe::observer::Measurement;
 use crate::sample::plausibility::NOWHERE;
 use crate::sample::{Quality, Transducer};
 use crate::state::whole;
-use crate::time::{self, Span, Timestamp};
-use crate::verdict::{Fault, Residuals, Suspect, Testimony, Verdict, bank::Detection};
+use crate::time;
+use crate::verdict::{Fault, Residuals, Suspect, Verdict};
+pub(super) use departing::{SharedDeparture, common};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
 use stop::Rest;
 use usual::{MotionRange, UsualMotion};
@@ -45,11 +46,15 @@ pub struct LastOne {
     was_apart: bool,
     /// Whether the last one has stepped to where the other one had been displaced to, so that they agree and are both wrong.
     has_joined: bool,
+    /// What both transducers are off by alike.
+    pub(super) shared: Option<SharedDeparture>,
+    /// What both innovations have in common.
+    together: Watched,
     /// Whether anything was found in the cycle before, or the rod stood on its stop.
     is_attended: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, is_attended } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, is_attended } }
 
 impl Default for LastOne {
     fn default() -> Self {
@@ -63,6 +68,8 @@ impl Default for LastOne {
             difference: None,
             was_apart: false,
             has_joined: false,
+            shared: None,
+            together: Watched::default(),
             is_attended: false,
         }
     }
@@ -98,7 +105,7 @@ impl LastOne {
 
     /// Forgets what the next cycle had to confirm, after a time of which nothing is known. What is latched stands.
     pub fn interrupt(&mut self) {
-        for watched in &mut self.of {
+        for watched in self.of.iter_mut().chain([&mut self.together]) {
             (watched.tried, watched.aftermath, watched.beyond) = (None, 0, 0);
         }
         for rest in &mut self.rests {
@@ -109,6 +116,7 @@ impl LastOne {
     /// Takes a cycle in which nothing was found.
     fn forget(&mut self) {
         self.of = self.of.map(|it| Watched { power: it.power, ..Watched::default() });
+        self.together = Watched::default();
     }
 
     /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`, for so many `cycles`.
@@ -124,7 +132,7 @@ impl LastOne {
         for watched in &mut self.of {
             (watched.latch, watched.is_named) = (None, false);
         }
-        self.has_joined = false;
+        (self.has_joined, self.shared) = (false, None);
     }
 }
 
@@ -174,6 +182,7 @@ impl Cylinder {
         }
         let finds = self.finds_anything();
         if finds {
+            self.judge_jump(now.at, residuals, command);
             self.doubt_last(residuals, good);
             self.try_motion(residuals, good, command);
             let most = MOST * self.design.bank.observer.high;
@@ -228,6 +237,18 @@ impl Cylinder {
         !self.has(TRANSDUCERS[1 - i]) || self.last.of[1 - i].out > self.design.coincidence
     }
 
+    /// What innovations of transducer `i` are compared with.
+    fn limits(&self, i: usize) -> Limits {
+        let (parameters, observer) = (self.design.bank.parameters, &self.design.observers[i]);
+        Limits {
+            least: self.design.bank.observer.high,
+            noise: parameters.last_noise,
+            gain: observer.l[(0, 0)],
+            aftermath: 2 * observer.recovery(),
+            confirm: time::samples(parameters.confirmed, self.design.bank.sample_time),
+        }
+    }
+
     fn judge_alone(&mut self, i: usize, residuals: &Residuals, good: [Option<Measurement>; 2]) {
         let residual = residuals.r[i];
         let found = self.bank.detections()[i];
@@ -237,18 +258,10 @@ impl Cylinder {
             && !self.is_elsewhere(residuals, good)
             && self.is_seen_by_difference(i, residuals)
             && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
-        let parameters = self.design.bank.parameters;
         let high = self.design.bank.observer.high;
-        let observer = &self.design.observers[i];
         // On a machine that the model fits badly a threshold alone is no evidence.
         let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
-        let limits = Limits {
-            least: high.max(usual),
-            noise: parameters.last_noise,
-            gain: observer.l[(0, 0)],
-            aftermath: 2 * observer.recovery(),
-            confirm: time::samples(parameters.confirmed, self.design.bank.sample_time),
-        };
+        let limits = Limits { least: high.max(usual), ..self.limits(i) };
         let is_apart = !self.implausible[1 - i].raised() && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let exceeds = residual.is_some_and(|it| it.abs() > high.max(NAMED * usual));
@@ -322,17 +335,6 @@ impl Cylinder {
         (0..2).find(is_alone)
     }
 
-    /// Latches transducer `i`, whose reading departs from dead reckoning. So does that of a cylinder that does not follow its
-    /// command, unless a process detector has found why; either way nothing is left to rely on.
-    #[cold]
-    pub(super) fn latch_course_error(&mut self, i: usize, error: CourseError, at: Timestamp) {
-        let CourseError { error: residual, limit: threshold, seconds } = error;
-        let departs = Some(at.after(Span::from_seconds(-seconds)));
-        self.last.of[i].latch =
-            Some(Latch { fault: Fault::Incipient, residual, threshold, departs });
-        self.last.is_attended = true;
-    }
-
     /// Ends the latch when the other transducer is back, and both agree.
     fn release_last(&mut self) {
         let is_back = |i: usize| {
@@ -346,29 +348,6 @@ impl Cylinder {
         if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {
             self.last.release();
         }
-    }
-
-    /// The finding of the observer of transducer `i`, where that is the last one.
-    pub(super) fn last_finding(&self, i: usize, found: Option<Detection>) -> Option<Finding> {
-        let Some(latch) = self.last.of[i].latch else {
-            let found = found.filter(|_| self.last.names(i))?;
-            return Some(self.observer_finding(Detection { suspect: NAMES[i], ..found }));
-        };
-        let Latch { fault, residual, threshold, departs } = latch;
-        let latched = Detection { fault, suspect: NAMES[i], residual, threshold };
-        let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
-        let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
-        // As improbable as a Gaussian error of so many deviations.
-        let deviations = self.design.bank.parameters.reckoned_deviations * residual / threshold;
-        let evidence = departs.map(|onset| Evidence {
-            fault: 0.5 * deviations * deviations,
-            location: None,
-            by: Some(Testimony::Way),
-            onset,
-            gain: None,
-            size: None,
-        });
-        Some(Finding { level: self.design.levels.both, evidence, ..finding })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Dead reckoning of a rod in a swell.
 
 use super::*;
+use crate::observe::observer::ObserverDesign;
 
 static PARAMETERS: VerdictParameters = VerdictParameters::DEFAULT;
 
@@ -10,11 +11,11 @@ impl DeadReckoning {
         &mut self,
         readings: [Option<f64>; 2],
         velocity: Option<f64>,
-        alone: Option<usize>,
+        compared: Compared,
         is_calm: bool,
     ) -> Option<CourseError> {
         let is_tick = self.begin();
-        let error = is_tick.then(|| self.judge(readings, alone, is_calm)).flatten();
+        let error = is_tick.then(|| self.judge(readings, compared, is_calm)).flatten();
         self.go(velocity);
         error
     }
@@ -28,12 +29,14 @@ struct Swell {
     unknown: f64,
     /// Of an only transducer, beside which nothing is found; else it is calm unless a transducer is left alone.
     is_only: bool,
+    /// Whether the two readings are known to differ.
+    differs: bool,
 }
 
 impl Swell {
     fn new(unknown: f64) -> Self {
         let reckoning = DeadReckoning::new(&PARAMETERS, WaySource::Drive, 0.02, 0.01);
-        Self { reckoning, length: 0.0, cycle: 0, unknown, is_only: false }
+        Self { reckoning, length: 0.0, cycle: 0, unknown, is_only: false, differs: false }
     }
 
     /// What each window has learnt from.
@@ -48,13 +51,25 @@ impl Swell {
         alone: Option<usize>,
         error: impl Fn(f64) -> f64,
     ) -> Option<(f64, CourseError)> {
+        self.go_each(seconds, alone, |after| [error(after); 2])
+    }
+
+    /// The same with an error of each reading.
+    fn go_each(
+        &mut self,
+        seconds: f64,
+        alone: Option<usize>,
+        errors: impl Fn(f64) -> [f64; 2],
+    ) -> Option<(f64, CourseError)> {
+        let beside = if self.differs { Compared::Neither } else { Compared::Together };
+        let compared = alone.map_or(beside, Compared::Alone);
         let mut found = None;
         for k in 0..(seconds / 0.02) as u32 {
             let angle = f64::from(self.cycle) * 0.02 * core::f64::consts::TAU / 10.0;
             let (velocity, after) = (0.2 * angle.cos(), 0.02 * f64::from(k));
-            let readings = [Some(self.length + error(after)); 2];
-            let is_calm = self.is_only || alone.is_none();
-            let error = self.reckoning.tick(readings, Some(velocity), alone, is_calm);
+            let readings = errors(after).map(|error| Some(self.length + error));
+            let is_calm = self.is_only || compared == Compared::Together;
+            let error = self.reckoning.tick(readings, Some(velocity), compared, is_calm);
             found = found.or(error.map(|it| (after, it)));
             self.length += 0.02 * (velocity * (1.0 + self.unknown));
             self.cycle += 1;
@@ -84,7 +99,7 @@ fn what_is_usual_is_none_however_much_faster_the_rod_goes() {
     for k in 0..30_000_u32 {
         let velocity = 1.2 * (f64::from(k) * 0.02 * core::f64::consts::TAU / 10.0).cos();
         let readings = [Some(length), None];
-        found = found.or(swell.reckoning.tick(readings, Some(velocity), Some(0), false));
+        found = found.or(swell.reckoning.tick(readings, Some(velocity), Compared::Alone(0), false));
         length += 0.02 * velocity * 1.02;
     }
     assert_eq!(found, None);
@@ -180,6 +195,35 @@ fn an_error_of_an_only_transducer_does_not_become_usual() {
         let found = swell.go(30.0, Some(0), |_| 0.2);
         assert!(found.is_some_and(|(after, _)| after < 2.0), "{ticks}: {found:?}");
     }
+}
+
+/// What is wrong with one of two is seen by their difference, and its drift is no bias of dead reckoning.
+#[test]
+fn two_are_off_by_what_both_are_off_by() {
+    for (errors, off) in [
+        ([0.03, 0.03], Some(0.03)),
+        ([-0.03, -0.031], Some(-0.03)),
+        ([0.03, 0.0], None),
+        ([0.03, -0.03], None),
+    ] {
+        let mut swell = Swell::new(0.001);
+        assert_eq!(swell.go(600.0, None, |_| 0.0), None);
+        let found = swell.go_each(60.0, None, |_| errors).map(|(_, it)| it.error);
+        let is_as_large = |off: f64| found.is_some_and(|it| (it - off).abs() < 0.1 * off.abs());
+        assert_eq!(found.is_some(), off.is_some(), "{errors:?}: {found:?}");
+        assert!(off.is_none_or(is_as_large), "{errors:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_drift_of_one_of_two_is_no_bias() {
+    let mut swell = Swell::new(0.001);
+    assert_eq!(swell.go(600.0, None, |_| 0.0), None);
+    swell.differs = true;
+    assert_eq!(swell.go_each(60.0, None, |t| [0.0, 0.01 * t]), None);
+    assert!(swell.reckoning.bias.value().abs() < 1e-4, "{}", swell.reckoning.bias.value());
+    assert_eq!(swell.go_each(60.0, None, |t| [0.01 * t; 2]), None);
+    assert!(swell.reckoning.bias.value() > 1e-3, "followed all the same");
 }
 
 /// The model follows its command, and is not used until it has lost what it began with.

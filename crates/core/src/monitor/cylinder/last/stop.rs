@@ -57,7 +57,9 @@ impl Cylinder {
             now.zip(healthy).is_some_and(|(now, healthy)| (now - healthy).abs() <= high)
         };
         // The deck's attitude finds an error of C1.
-        let is_out = |i: usize| self.last.is_latched(i) || i == 0 && self.tilted.is_some();
+        let is_out = |i: usize| {
+            self.last.is_latched(i) || self.last.shared.is_some() || i == 0 && self.tilted.is_some()
+        };
         if (0..2).any(is_out) && (0..2).all(|i| !is_out(i) || agrees(i)) {
             self.last.release();
             self.end_tilt_error();

@@ -1,0 +1,169 @@
+//! Departures from dead reckoning: of the last transducer, or of both alike.
+
+use super::NAMES;
+use super::displacement::{Latch, Limits, Watched};
+use crate::alarm::{Evidence, Finding};
+use crate::monitor::cylinder::Cylinder;
+use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError};
+use crate::state::whole;
+use crate::time::{Span, Timestamp};
+use crate::verdict::{Fault, Residuals, Suspect, Testimony, Verdict, bank::Detection};
+
+/// What both transducers are off by alike. Their difference is zero and both observers follow, so that it stands until the
+/// readings return, or rest on the stop as before.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedDeparture {
+    /// m, signed.
+    off: f64,
+    /// What its newest part was compared with, m.
+    limit: f64,
+    since: Timestamp,
+    /// Whether both have jumped as no rod does. Else it may be the cylinder that does not do what its valve says, until a
+    /// process detector explains it.
+    is_jump: bool,
+}
+
+whole! { SharedDeparture { off, limit, since, is_jump } }
+
+impl SharedDeparture {
+    /// Takes another error. `None`: what is left would not have been found.
+    fn and(self, error: f64, limit: f64) -> Option<Self> {
+        let off = self.off + error;
+        (off.abs() > limit).then_some(Self { off, limit, ..self })
+    }
+
+    /// m.
+    pub const fn size(&self) -> f64 {
+        self.off.abs()
+    }
+
+    pub const fn is_jump(&self) -> bool {
+        self.is_jump
+    }
+}
+
+/// What two errors have in common, m: the lesser of the two, if both have the same sign.
+pub fn common([one, other]: [f64; 2]) -> f64 {
+    match one * other > 0.0 {
+        true if one.abs() < other.abs() => one,
+        true => other,
+        false => 0.0,
+    }
+}
+
+impl Cylinder {
+    /// What is compared with dead reckoning.
+    pub(in super::super) fn compared(&self, readings: [Option<f64>; 2]) -> Compared {
+        let is_apart = || self.doubts().0 || self.last.any_latched();
+        match self.alone() {
+            Some(i) => Compared::Alone(i),
+            None if readings.iter().all(Option::is_some) && !is_apart() => Compared::Together,
+            None => Compared::Neither,
+        }
+    }
+
+    /// Takes innovations that jump together while C1 − C2 stays: within a cycle no rod moves further than it goes at its
+    /// largest command, even where an obstacle stops it.
+    #[cold]
+    pub(super) fn judge_jump(
+        &mut self,
+        at: Timestamp,
+        residuals: &Residuals,
+        command: Option<f64>,
+    ) {
+        let observer = &self.design.observers[0];
+        let is_apart = self.bank.verdicts()[2] == Verdict::Faulty;
+        let usual = &self.last.usual;
+        if is_apart || usual.calm < observer.settle {
+            self.last.together = Watched::default();
+            return;
+        }
+        let fastest = command.map_or(0.0, f64::abs).max(usual.range.command);
+        let limits = Limits {
+            least: fastest * self.design.bank.sample_time + self.design.bank.observer.high,
+            noise: u32::MAX,
+            ..self.limits(0)
+        };
+        let [r1, r2, _] = residuals.r;
+        let innovation = r1.zip(r2).map(|(r1, r2)| common([r1, r2]));
+        let Some(off) = self.last.together.confirm(innovation, &limits) else { return };
+        let limit = limits.least;
+        self.last.shared = match self.last.shared {
+            None => Some(SharedDeparture { off, limit, since: at, is_jump: true }),
+            Some(shared) => shared.and(off, limit),
+        };
+        // Or it would be found once more.
+        if let Some(reckoning) = &mut self.reckoning {
+            reckoning.forget();
+        }
+    }
+
+    /// Takes a departure from dead reckoning: latches the last transducer, or what both are off by. So does a cylinder that
+    /// does not follow its command, unless a process detector has found why; either way nothing is left to rely on.
+    #[cold]
+    pub(in super::super) fn take_course_error(
+        &mut self,
+        compared: Compared,
+        error: CourseError,
+        at: Timestamp,
+    ) {
+        let CourseError { error: residual, limit: threshold, seconds } = error;
+        let since = at.after(Span::from_seconds(-seconds));
+        self.last.is_attended = true;
+        let last = &mut self.last;
+        match (compared, last.shared) {
+            (_, Some(shared)) => last.shared = shared.and(residual, threshold),
+            (Compared::Alone(i), None) => {
+                let fault = Fault::Incipient;
+                last.of[i].latch = Some(Latch { fault, residual, threshold, departs: Some(since) });
+            }
+            (_, None) => {
+                let (off, limit) = (residual, threshold);
+                last.shared = Some(SharedDeparture { off, limit, since, is_jump: false });
+            }
+        }
+    }
+
+    /// The finding of the observer of transducer `i`, where that is the last one.
+    pub(in super::super) fn last_finding(
+        &self,
+        i: usize,
+        found: Option<Detection>,
+    ) -> Option<Finding> {
+        let Some(latch) = self.last.of[i].latch else {
+            let found = found.filter(|_| self.last.names(i))?;
+            return Some(self.observer_finding(Detection { suspect: NAMES[i], ..found }));
+        };
+        let Latch { fault, residual, threshold, departs } = latch;
+        let latched = Detection { fault, suspect: NAMES[i], residual, threshold };
+        let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
+        let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
+        let evidence = departs.map(|onset| self.departure_evidence([residual, threshold], onset));
+        Some(Finding { level: self.design.levels.both, evidence, ..finding })
+    }
+
+    /// The finding of both transducers, which depart alike.
+    pub(in super::super) fn shared_finding(&self) -> Option<Finding> {
+        let SharedDeparture { off: residual, limit: threshold, since, is_jump } =
+            self.last.shared?;
+        let fault = if is_jump { Fault::Abrupt } else { Fault::Incipient };
+        let found = Detection { fault, suspect: Suspect::Process, residual, threshold };
+        let evidence = self.departure_evidence([residual, threshold], since);
+        let by = if is_jump { Testimony::Innovations } else { Testimony::Way };
+        let evidence = Some(Evidence { by: Some(by), ..evidence });
+        Some(Finding { evidence, ..self.observer_finding(found) })
+    }
+
+    /// As improbable as a Gaussian error of so many deviations.
+    fn departure_evidence(&self, [error, limit]: [f64; 2], onset: Timestamp) -> Evidence {
+        let deviations = self.design.bank.parameters.reckoned_deviations * error / limit;
+        Evidence {
+            fault: 0.5 * deviations * deviations,
+            location: None,
+            by: Some(Testimony::Way),
+            onset,
+            gain: None,
+            size: None,
+        }
+    }
+}
