@@ -16,7 +16,7 @@ from gateway import Gateway, configuration
 
 TOP = Path(__file__).resolve().parents[2]
 INTERFACE = "page0"
-TOKEN = "c8d1f0a3"
+TOKEN = "c8d1f0a3c8d1f0a3c8d1f0a3c8d1f0a3"
 # When cylinder 3's C1 is 4 mm off, s: the browser takes half a minute to start there.
 AT = 60.0
 # The gateway, the machine and a browser of ten processes share the one processor of User-mode Linux, s.

@@ -19,7 +19,7 @@ impl Token {
     /// # Errors
     /// The system has no random numbers.
     pub fn run(self) -> Result<(), Failure> {
-        let mut bytes = [0; 16];
+        let mut bytes = [0; TokenDigest::TOKEN_BYTES];
         let read = File::open("/dev/urandom").and_then(|mut file| file.read_exact(&mut bytes));
         read.map_err(|error| Failure::Failed(format!("/dev/urandom: {error}")))?;
         let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();

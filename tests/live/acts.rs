@@ -16,7 +16,7 @@ use tertius::frame::Id;
 use tertius_testing::process::{configuration, excerpt, write};
 use tertius_testing::support::tertius;
 
-const TOKEN: &str = "0123456789abcdef";
+const TOKEN: &str = "0123456789abcdef0123456789abcdef";
 
 /// A served store in which an incident stands unacknowledged.
 struct Office {

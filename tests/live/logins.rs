@@ -51,4 +51,7 @@ fn the_doctor_asks_the_running_gateway_for_wrong_tokens_and_lockouts() {
     let line = doctor().expect("it is told");
     assert!(line.starts_with("warn") && line.contains("3 wrong tokens since"), "{line}");
     assert!(line.contains(", and 1 lockout -> ") && line.contains("journalctl"), "{line}");
+    let log = fs::read_to_string(folder.path().join("run.log")).expect("it was written");
+    let told = log.lines().find(|line| line.contains("a wrong token from")).expect("it is logged");
+    assert!(told.contains("shorter than 128 bits") && told.contains("`tertius token`"), "{told}");
 }

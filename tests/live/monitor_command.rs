@@ -39,7 +39,7 @@ fn a_gateway_is_watched_over_https_by_who_trusts_it_and_has_its_token() {
     let dbc = top().join("dbc/e-type.dbc");
     let http = format!(
         "\n[http]\nlisten = \"0.0.0.0:0\"\ntoken = \"{}\"\ncertificate = \"{}\"\nkey = \"{}\"\n",
-        TokenDigest::of("0123456789abcdef"),
+        TokenDigest::of("0123456789abcdef0123456789abcdef"),
         page.certificate.display(),
         page.key.display()
     );
@@ -54,8 +54,8 @@ fn a_gateway_is_watched_over_https_by_who_trusts_it_and_has_its_token() {
     let port = told.rsplit_once(':').expect("a port").1;
     let (named, by_number) =
         (format!("https://localhost:{port}"), format!("https://127.0.0.1:{port}"));
-    let right = scratch.write("token", "0123456789abcdef\n");
-    let wrong = scratch.write("wrong", "fedcba9876543210");
+    let right = scratch.write("token", "0123456789abcdef0123456789abcdef\n");
+    let wrong = scratch.write("wrong", "fedcba9876543210fedcba9876543210");
     let other = certify(&folder, "other", 2100).certificate.display().to_string();
     let own = page.certificate.display().to_string();
     for (words, url, ca, token) in [

@@ -21,7 +21,7 @@ use tokio_rustls::rustls::pki_types::CertificateDer;
 use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 
-const TOKEN: &str = "0123456789abcdef";
+const TOKEN: &str = "0123456789abcdef0123456789abcdef";
 
 /// The answer at `address` to who trusts `certificate` alone.
 pub fn ask_over_tls(address: SocketAddr, certificate: &Path, request: &str) -> io::Result<Answer> {
@@ -208,6 +208,26 @@ fn wrong_tokens_are_counted_slowed_down_and_locked_out() {
     assert_eq!(office.get("/api/overview", &cookie).code, 200, "who is in stays in");
     let metrics = office.get("/metrics", "").body;
     assert!(metrics.contains("\ntertius_login_failures_total 6\n"), "{metrics}");
+}
+
+/// Only the digest is configured, so that the length is seen when somebody comes with the token.
+#[test]
+fn a_configured_token_that_can_be_guessed_opens_nothing() {
+    let office = Office::new();
+    let weak = &TOKEN[1..];
+    office.desk.follow(DeskPlan { token: Some(TokenDigest::of(weak)), ..DeskPlan::default() });
+    let bearer = format!("Authorization: Bearer {weak}\r\n");
+    let act = format!("Content-Type: application/json\r\n{bearer}");
+    for answer in [
+        office.post("/login", "", &format!("token={weak}")),
+        office.get("/api/overview", &bearer),
+        office.post("/api/record", &act, ""),
+    ] {
+        assert_eq!(answer.code, 401, "{}", answer.body);
+        for words in ["shorter than 128 bits", "`tertius token`"] {
+            assert!(answer.body.contains(words), "{}", answer.body);
+        }
+    }
 }
 
 #[test]

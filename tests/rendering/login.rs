@@ -7,7 +7,7 @@ use tertius_testing::process::Running;
 use tertius_testing::support::{E_TYPE, Scratch, tertius};
 use tertius_testing::top;
 
-const TOKEN: &str = "c8d1f0a3";
+const TOKEN: &str = "c8d1f0a3c8d1f0a3c8d1f0a3c8d1f0a3";
 
 #[test]
 fn a_person_logs_in_from_another_computer_reads_and_leaves() {

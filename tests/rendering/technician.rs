@@ -8,7 +8,7 @@ use tertius::appliance::http::TokenDigest;
 use tertius_testing::process::Running;
 use tertius_testing::support::{E_TYPE, Scratch, tertius};
 
-const TOKEN: &str = "c8d1f0a3";
+const TOKEN: &str = "c8d1f0a3c8d1f0a3c8d1f0a3c8d1f0a3";
 
 #[test]
 fn a_technician_sees_a_fault_arrive_and_deals_with_it() {

@@ -122,9 +122,10 @@ fn refusal(shared: &Shared, connection: &Connection, headers: &HeaderMap) -> Opt
     match shared.try_header(connection, headers, token) {
         Some(Trial::Right) => None,
         Some(Trial::TooSoon(refusal)) => Some(refusal),
-        Some(Trial::Wrong) | None => {
+        trial @ (Some(Trial::Wrong(_)) | None) => {
             let header = [(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"))];
-            let told = "the token is missing or wrong\n";
+            let advice = if let Some(Trial::Wrong(wrong)) = trial { wrong.advice() } else { "" };
+            let told = format!("the token is missing or wrong{advice}\n");
             Some((StatusCode::UNAUTHORIZED, header, told).into_response())
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Shared;
 use super::connections::{Connection, network};
+use super::token::WrongToken;
 use crate::report::counted;
 use axum::http::header::RETRY_AFTER;
 use axum::http::{HeaderMap, StatusCode};
@@ -148,32 +149,32 @@ struct Failed {
 /// What became of a token that somebody gave.
 pub(super) enum Trial {
     Right,
-    Wrong,
+    Wrong(WrongToken),
     /// It was not looked at.
     TooSoon(Response),
 }
 
 impl Shared {
-    /// Whether a token that came by `connection` `is_right`, which is asked only if its address may try.
+    /// What `judge` says of a token that came by `connection`; it is asked only if its address may try.
     pub(super) fn try_token(
         &self,
         connection: &Connection,
-        is_right: impl FnOnce() -> bool,
+        judge: impl FnOnce() -> Result<(), WrongToken>,
     ) -> Trial {
         let (from, now) = (connection.peer(), self.clock.uptime());
         if let Some(wait) = self.attempts.wait(from, now) {
             return Trial::TooSoon(too_soon(wait));
         }
-        if is_right() {
+        let Err(wrong) = judge() else {
             self.attempts.succeed(from);
             return Trial::Right;
-        }
+        };
         let Failed { is_out, told } = self.attempts.fail(from, now, self.desk.plan().logins);
         self.telemetry.login_failed(is_out);
         if let Some(told) = told {
-            warn!("http: {told}");
+            warn!("http: {told}{}", wrong.advice());
         }
-        Trial::Wrong
+        Trial::Wrong(wrong)
     }
 
     /// As [`Self::try_token`], of the token in `Authorization`; `None` if there is none.
@@ -184,7 +185,7 @@ impl Shared {
         token: &super::TokenDigest,
     ) -> Option<Trial> {
         headers.get(axum::http::header::AUTHORIZATION)?;
-        Some(self.try_token(connection, || token.admits(headers)))
+        Some(self.try_token(connection, || token.judge_header(headers)))
     }
 }
 

@@ -117,15 +117,17 @@ async fn only_known_people(shared: &Shared, request: Request, next: Next) -> Res
         return next.run(request).await;
     }
     let connection = request.extensions().get::<Arc<Connection>>();
-    match connection.and_then(|connection| shared.try_header(connection, headers, &token)) {
+    let trial = connection.and_then(|connection| shared.try_header(connection, headers, &token));
+    let told = match trial {
         Some(Trial::Right) => return next.run(request).await,
         Some(Trial::TooSoon(refusal)) => return refusal,
-        Some(Trial::Wrong) | None => {}
-    }
+        Some(Trial::Wrong(wrong)) => format!("the token is wrong{}\n", wrong.advice()),
+        None => "log in at /login\n".to_owned(),
+    };
     if path == "/" {
         return (StatusCode::SEE_OTHER, [(LOCATION, "/login")]).into_response();
     }
-    (StatusCode::UNAUTHORIZED, "log in at /login\n").into_response()
+    (StatusCode::UNAUTHORIZED, told).into_response()
 }
 
 /// Whether a request comes from our own page, or from no page at all.

@@ -3,6 +3,7 @@
 use super::attempts::Trial;
 use super::connections::Connection;
 use super::guard::is_from_here;
+use super::token::WrongToken;
 use super::{Shared, page};
 use axum::Extension;
 use axum::body::Bytes;
@@ -51,10 +52,16 @@ pub(super) async fn enter(
     let query =
         std::str::from_utf8(&body).ok().and_then(|body| format!("/?{body}").parse::<Uri>().ok());
     let given = query.and_then(|uri| Query::<Form>::try_from_uri(&uri).ok());
-    let is_right = || given.is_some_and(|Query(form)| token.is_of(form.token.trim()));
-    match shared.try_token(&connection, is_right) {
+    let judge = || match given {
+        Some(Query(form)) => token.judge(form.token.trim()),
+        None => Err(WrongToken::Other),
+    };
+    match shared.try_token(&connection, judge) {
         Trial::Right => {}
-        Trial::Wrong => return with_form(StatusCode::UNAUTHORIZED, "This is not the token."),
+        Trial::Wrong(wrong) => {
+            let told = format!("This is not the token{}.", wrong.advice());
+            return with_form(StatusCode::UNAUTHORIZED, &told);
+        }
         Trial::TooSoon(refusal) => return refusal,
     }
     match shared.sessions.open(token, shared.clock.uptime()) {

@@ -10,23 +10,42 @@ use std::str::FromStr;
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct TokenDigest([u8; 32]);
 
+/// Why a token is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WrongToken {
+    /// It could be guessed, so that it is refused whatever the configuration has.
+    Short,
+    /// It has another digest, or there is none.
+    Other,
+}
+
 impl TokenDigest {
+    /// Random bytes of a token, which is written in hexadecimal: 128 bits.
+    pub const TOKEN_BYTES: usize = 16;
+
     /// The digest of `token`.
     pub fn of(token: &str) -> Self {
         Self(Sha256::digest(token.as_bytes()).into())
     }
 
-    /// Whether it is that of `token`.
-    pub(super) fn is_of(&self, token: &str) -> bool {
+    /// Whether it is that of `token`, which has 128 bits.
+    pub(super) fn judge(&self, token: &str) -> Result<(), WrongToken> {
+        // Asked first and of the token alone: the answer is the same whatever the right one is.
+        if token.chars().count() < 2 * Self::TOKEN_BYTES {
+            return Err(WrongToken::Short);
+        }
         // All bytes are compared, wherever the first difference is.
-        Self::of(token).0.iter().zip(&self.0).fold(0, |sum, (a, b)| sum | (a ^ b)) == 0
+        match Self::of(token).0.iter().zip(&self.0).fold(0, |sum, (a, b)| sum | (a ^ b)) {
+            0 => Ok(()),
+            _ => Err(WrongToken::Other),
+        }
     }
 
     /// Whether the request has the token, as `Authorization: Bearer TOKEN`.
-    pub(super) fn admits(&self, headers: &HeaderMap) -> bool {
+    pub(super) fn judge_header(&self, headers: &HeaderMap) -> Result<(), WrongToken> {
         let value = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
         let token = value.and_then(|value| value.strip_prefix("Bearer "));
-        token.is_some_and(|token| self.is_of(token.trim()))
+        token.map_or(Err(WrongToken::Other), |token| self.judge(token.trim()))
     }
 }
 
@@ -43,6 +62,18 @@ impl FromStr for TokenDigest {
             return Err(());
         }
         bytes.try_into().map(Self).map_err(drop)
+    }
+}
+
+impl WrongToken {
+    /// What is added to the refusal and to the log.
+    pub(super) const fn advice(self) -> &'static str {
+        match self {
+            Self::Short => {
+                "; a token shorter than 128 bits is never accepted: make one with `tertius token`"
+            }
+            Self::Other => "",
+        }
     }
 }
 
@@ -66,24 +97,44 @@ mod tests {
 
     #[test]
     fn only_the_token_itself_is_admitted() {
-        // As `printf %s test | sha256sum` has it.
-        let text = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08";
+        // As `printf %s 0123456789abcdef0123456789abcdef | sha256sum` has it.
+        let text = "3eb1bd439947eb762998e566ccc2e099c791118b2f40579cc4f7da2b5061b7f9";
         let digest: TokenDigest = text.parse().expect("64 digits");
-        assert_eq!((digest, digest.to_string().as_str()), (TokenDigest::of("test"), text));
-        let admits = |value: &'static str| {
+        let token = "0123456789abcdef0123456789abcdef";
+        assert_eq!((digest, digest.to_string().as_str()), (TokenDigest::of(token), text));
+        let judge = |value: &str| {
             let mut headers = HeaderMap::new();
-            headers.insert(AUTHORIZATION, HeaderValue::from_static(value));
-            digest.admits(&headers)
+            headers.insert(AUTHORIZATION, HeaderValue::from_str(value).expect("it is plain"));
+            digest.judge_header(&headers)
         };
-        assert!(admits("Bearer test"));
-        for value in
-            ["", "test", "Bearer ", "Bearer tes", "Bearer test2", "Basic test", "bearer test"]
-        {
-            assert!(!admits(value), "{value}");
+        assert_eq!(judge(&format!("Bearer {token}")), Ok(()));
+        let short = |value: String| (value, WrongToken::Short);
+        let other = |value: String| (value, WrongToken::Other);
+        for (value, wrong) in [
+            short("Bearer ".to_owned()),
+            short("Bearer test".to_owned()),
+            short(format!("Bearer {}", &token[1..])),
+            other(format!("Bearer {token}0")),
+            other(format!("Bearer 1{}", &token[1..])),
+            other(token.to_owned()),
+            other(format!("Basic {token}")),
+            other(format!("bearer {token}")),
+            other(String::new()),
+        ] {
+            assert_eq!(judge(&value), Err(wrong), "{value}");
         }
-        assert!(!digest.admits(&HeaderMap::new()));
+        assert_eq!(digest.judge_header(&HeaderMap::new()), Err(WrongToken::Other));
         for wrong in ["", "9f", "zz", &text[1..], &format!("{text}00")] {
             assert_eq!(wrong.parse::<TokenDigest>(), Err(()));
+        }
+    }
+
+    #[test]
+    fn a_token_that_can_be_guessed_is_refused_even_if_it_is_the_configured_one() {
+        let whole = "é".repeat(2 * TokenDigest::TOKEN_BYTES);
+        assert_eq!(TokenDigest::of(&whole).judge(&whole), Ok(()));
+        for token in ["", "test", &"é".repeat(2 * TokenDigest::TOKEN_BYTES - 1)] {
+            assert_eq!(TokenDigest::of(token).judge(token), Err(WrongToken::Short), "{token}");
         }
     }
 }
