@@ -22,6 +22,7 @@ mod mqtt;
 #[cfg(feature = "opcua")]
 mod opcua;
 mod opcua_document;
+mod overview;
 mod page;
 mod realtime;
 mod run_virtual;

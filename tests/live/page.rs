@@ -14,7 +14,7 @@ use tertius::frame::Frame;
 use tertius::time::Span;
 use tertius_testing::machine::Cycle;
 
-const DELAY: Span = Span::from_nanos(30_000);
+pub const DELAY: Span = Span::from_nanos(30_000);
 
 /// A gateway that has heard 4 s of a machine, at the end of which the second cylinder's C1 is off.
 fn bench() -> Bench {
@@ -35,12 +35,12 @@ fn bench() -> Bench {
     bench
 }
 
-fn json(answer: &Answer) -> Value {
+pub fn json(answer: &Answer) -> Value {
     serde_json::from_str(&answer.body).unwrap_or_else(|error| panic!("{error}: {}", answer.body))
 }
 
 /// Events as they come.
-struct Watcher {
+pub struct Watcher {
     answer: BufReader<TcpStream>,
     /// First line of the answer.
     status: String,
@@ -48,7 +48,7 @@ struct Watcher {
 
 impl Watcher {
     /// The client `n`, who watches from an address of its own.
-    fn new(bench: &Bench, n: u8) -> Self {
+    pub fn new(bench: &Bench, n: u8) -> Self {
         let mut stream = connect(bench.server.address(), n, 1 << 20);
         stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a time limit");
         stream.write_all(b"GET /api/stream HTTP/1.1\r\nHost: localhost\r\n\r\n").expect("it reads");
@@ -64,7 +64,7 @@ impl Watcher {
     }
 
     /// Data of the next event `name`.
-    fn event(&mut self, name: &str) -> Value {
+    pub fn event(&mut self, name: &str) -> Value {
         let wanted = format!("event: {name}");
         loop {
             let line = self.line().expect("it goes on");

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum Lamp {
     /// A warning stands that blames the transducer.
     Failure,
-    /// Its device is not operational, as somebody who works on it leaves it.
+    /// Its device is not operational, as somebody who works on it leaves it, or its frames lack what is configured.
     CheckFunction,
     /// A warning stands that may be its fault.
     OutOfSpecification,
@@ -24,9 +24,9 @@ pub enum Lamp {
 }
 
 impl Lamp {
-    /// The lamp of a transducer that is `health`, whose device `is_idle`, and which the stops say `drifts`.
-    pub const fn new(health: Health, is_idle: bool, drifts: bool) -> Self {
-        match (health, is_idle, drifts) {
+    /// The lamp of a transducer that is `health`, of which there is something to `check`, and which the stops say `drifts`.
+    pub const fn new(health: Health, check: bool, drifts: bool) -> Self {
+        match (health, check, drifts) {
             (Health::NotFitted, ..) => Self::NotFitted,
             (Health::Faulty, ..) => Self::Failure,
             (_, true, _) => Self::CheckFunction,
@@ -70,12 +70,12 @@ mod tests {
 
     #[test]
     fn only_evidence_is_good_and_a_failure_outranks_all() {
-        for (is_idle, drifts) in [(false, false), (false, true), (true, false), (true, true)] {
-            assert_eq!(Lamp::new(Health::Faulty, is_idle, drifts), Lamp::Failure);
-            assert_eq!(Lamp::new(Health::NotFitted, is_idle, drifts), Lamp::NotFitted);
+        for (check, drifts) in [(false, false), (false, true), (true, false), (true, true)] {
+            assert_eq!(Lamp::new(Health::Faulty, check, drifts), Lamp::Failure);
+            assert_eq!(Lamp::new(Health::NotFitted, check, drifts), Lamp::NotFitted);
             for health in [Health::Unknown, Health::Suspect, Health::Healthy] {
-                let good = health == Health::Healthy && !is_idle && !drifts;
-                assert_eq!(Lamp::new(health, is_idle, drifts) == Lamp::Good, good);
+                let good = health == Health::Healthy && !check && !drifts;
+                assert_eq!(Lamp::new(health, check, drifts) == Lamp::Good, good);
             }
         }
         assert_eq!(Lamp::new(Health::Unknown, false, true), Lamp::Unknown);

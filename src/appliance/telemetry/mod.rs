@@ -76,6 +76,8 @@ struct Cylinder {
     transducers: [State; 2],
     /// Whether the device of C1 and of C2 said that it is not operational.
     idle: [AtomicBool; 2],
+    /// Whether frames of C1 and of C2 are too short for the configuration.
+    too_short: [AtomicBool; 2],
     /// Estimated length and its standard deviation, m.
     estimate: Gauge,
     sigma: Gauge,
@@ -93,12 +95,22 @@ impl Cylinder {
             raised: Default::default(),
             transducers: Default::default(),
             idle: Default::default(),
+            too_short: Default::default(),
             estimate: Gauge::default(),
             sigma: Gauge::default(),
             trend: Trend::default(),
             stop: Stop::default(),
             incidents: Incidents::default(),
         }
+    }
+
+    /// Why somebody has to look at what the transducer sends, whatever its readings are.
+    fn check(&self, which: usize) -> Option<&'static str> {
+        if self.idle[which].load(Ordering::Relaxed) {
+            return Some("its device is not operational");
+        }
+        let is_short = self.too_short[which].load(Ordering::Relaxed);
+        is_short.then_some("its frames are too short for the configuration")
     }
 
     /// Absolute values of the quantities in the newest cycle, m.
@@ -323,10 +335,15 @@ impl Telemetry {
         self.lives(now) && self.since_frame(now).is_some_and(|time| time <= EVIDENCE)
     }
 
-    fn publish(&self, status: &Status) {
+    fn publish(&self, status: &Status, too_short: [[bool; 2]; MAX_CYLINDERS]) {
         for (cylinder, pair) in self.cylinders.iter().zip(&status.transducers) {
             for (transducer, health) in cylinder.transducers.iter().zip(pair) {
                 transducer.set(Some(*health as u8));
+            }
+        }
+        for (cylinder, pair) in self.cylinders.iter().zip(too_short) {
+            for (place, is_short) in cylinder.too_short.iter().zip(pair) {
+                place.store(is_short, Ordering::Relaxed);
             }
         }
         self.mode.set(Some(status.mode as u8));

@@ -95,16 +95,16 @@ impl Telemetry {
         let is_alone = second == Health::NotFitted;
         let transducer = |which: usize| {
             let state = known(State::get(&cylinder.transducers[which]), evidence);
-            let idle = evidence && cylinder.idle[which].load(Ordering::Relaxed);
+            let check = cylinder.check(which).filter(|_| evidence);
             let is = |it: &Drifting| it.cylinder == number && it.transducer == TRANSDUCERS[which];
             let drifts = health.drifting.iter().any(is);
-            let lamp = Lamp::new(state, idle, drifts);
+            let lamp = Lamp::new(state, check.is_some(), drifts);
             let reading = &cylinder.stop.readings[which];
             let tag = names.of_transducer(number, [Transducer::C1, Transducer::C2][which]);
             TransducerOverview {
                 name: tag.map(str::to_owned),
                 lamp,
-                words: words(lamp, (number, TRANSDUCERS[which]), is_alone, health),
+                words: words(lamp, (number, TRANSDUCERS[which]), is_alone, check, health),
                 drift_mm_per_month: reading.drift.get().map(|drift| drift * 1e3),
                 error_mm_per_month: reading.error.get().map(|error| error * 1e3),
                 months_left: reading.left.each_ref().map(Gauge::get),
@@ -149,6 +149,7 @@ fn words(
     lamp: Lamp,
     (cylinder, transducer): (usize, &str),
     is_alone: bool,
+    check: Option<&'static str>,
     health: &HealthReport,
 ) -> String {
     let incident = |suspects: &[&str]| {
@@ -173,7 +174,7 @@ fn words(
             None => "",
         },
         Lamp::MaintenanceRequired => "its readings on the stops drift",
-        Lamp::CheckFunction => "its device is not operational",
+        Lamp::CheckFunction => check.unwrap_or_default(),
         Lamp::Good | Lamp::NotFitted => "",
         Lamp::Unknown => match health.mode {
             _ if health.seconds_since_frame.is_none_or(|time| time > EVIDENCE.as_secs_f64()) => {
@@ -202,8 +203,8 @@ mod tests {
         }
         assert_eq!(known(Some(Health::Healthy as u8), false), Health::Unknown);
         assert_eq!(known(Some(Health::Healthy as u8), true), Health::Healthy);
-        assert_eq!(words(Lamp::NotFitted, (2, "c2"), true, &health), "not fitted");
-        let alone = words(Lamp::OutOfSpecification, (2, "c1"), true, &health);
+        assert_eq!(words(Lamp::NotFitted, (2, "c2"), true, None, &health), "not fitted");
+        let alone = words(Lamp::OutOfSpecification, (2, "c1"), true, None, &health);
         assert_eq!(alone, "out of specification: it may be this one, or the cylinder");
     }
 
@@ -221,7 +222,7 @@ mod tests {
             kind: "step",
             ..OpenIncident::default()
         }];
-        TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), false, &health))
+        TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), false, None, &health))
     }
 
     #[test]

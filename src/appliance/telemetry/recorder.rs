@@ -198,7 +198,7 @@ impl Recorder {
             && self.status_at != Some(*at)
         {
             self.status_at = Some(*at);
-            telemetry.publish(status);
+            telemetry.publish(status, monitor.too_short());
         }
     }
 
@@ -206,7 +206,7 @@ impl Recorder {
     pub fn reloaded(&mut self) {
         let telemetry = &self.telemetry;
         telemetry.totals.reloads_accepted.add(1);
-        telemetry.publish(&Status::default());
+        telemetry.publish(&Status::default(), Default::default());
         telemetry.forget_evidence();
         telemetry.cylinders.iter().for_each(|cylinder| cylinder.incidents.clear());
         telemetry.shared.clear();

@@ -135,8 +135,8 @@ impl Cylinder {
         let transducers = self.transducers.each_ref();
         let transducers = transducers.map(|it| known(State::get(it), evidence));
         let lamp = |which: usize| {
-            let idle = evidence && self.idle[which].load(Ordering::Relaxed);
-            Lamp::new(transducers[which], idle, drifts[which])
+            let check = evidence && self.check(which).is_some();
+            Lamp::new(transducers[which], check, drifts[which])
         };
         let open: Vec<OpenSlot> = self.incidents.slots().collect();
         CylinderSnapshot {

@@ -1,7 +1,7 @@
 //! Admission of frames: those of the open cycle, once each, and those that were kept for it.
 
 use super::cylinder::Cylinder;
-use super::page::{Destination, Page, Station, StationKind};
+use super::page::{Page, Station, StationKind};
 use super::sink::{Notice, Sink};
 use super::{Monitor, Place};
 use crate::frame::Frame;
@@ -216,9 +216,7 @@ impl Monitor {
     /// Passes each transducer that a page carries a reading of to `act`, with the inputs of its cylinder.
     fn each_reading(&mut self, place: Place, act: impl Fn(&mut Inputs, Transducer)) {
         let Self { stations, cylinders, .. } = self;
-        for signal in &stations[place.0].pages[place.1].signals {
-            let Destination::Cylinders(bits, field) = signal.destination else { continue };
-            let Some(transducer) = field.transducer() else { continue };
+        for (bits, transducer) in stations[place.0].pages[place.1].transducers() {
             let own = |(index, _): &(usize, &mut Cylinder)| bits & 1 << index != 0;
             let cylinders = cylinders.iter_mut().enumerate().filter(own);
             cylinders.for_each(|(_, it)| act(&mut it.inputs, transducer));

@@ -287,6 +287,14 @@ impl Page {
         frame.length() < self.needs
     }
 
+    /// The transducers that the page carries signals of, each with a bit for each of its cylinders.
+    pub fn transducers(&self) -> impl Iterator<Item = (u8, Transducer)> {
+        self.signals.iter().filter_map(|signal| match signal.destination {
+            Destination::Cylinders(bits, field) => Some((bits, field.transducer()?)),
+            Destination::State | Destination::Inclination(_) => None,
+        })
+    }
+
     /// Value of the alive counter in `frame`, which is counted in `bad` where the frame is too short for it or the value
     /// is not finite.
     #[inline]

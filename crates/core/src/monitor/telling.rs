@@ -105,6 +105,22 @@ impl Monitor {
         self.encoder.status(at, &status)
     }
 
+    /// Whether frames of C1 and of C2 of each cylinder are too short for the configuration, now or within the last 50
+    /// cycles.
+    pub fn too_short(&self) -> [[bool; 2]; MAX_CYLINDERS] {
+        let cycle = self.clock.number();
+        let pages = self.stations.iter().flat_map(|station| &station.pages);
+        let mut short = [[false; 2]; MAX_CYLINDERS];
+        for page in pages.filter(|page| page.slot.dispute.is_too_short(cycle)) {
+            for (bits, transducer) in page.transducers() {
+                for (index, pair) in short.iter_mut().enumerate() {
+                    pair[transducer as usize] |= bits >> index & 1 != 0;
+                }
+            }
+        }
+        short
+    }
+
     /// The state of the whole monitor at `at`.
     pub fn status(&mut self, at: Timestamp) -> Status {
         let mut transducers = [[Health::Unknown; 2]; MAX_CYLINDERS];

@@ -85,6 +85,11 @@ impl Dispute {
         cycle < self.until[Doubt::Contradiction as usize]
     }
 
+    /// Whether frames were too short for the configuration in `cycle` or shortly before.
+    pub const fn is_too_short(&self, cycle: u64) -> bool {
+        cycle < self.until[Doubt::TooShort as usize]
+    }
+
     /// Takes a reason for doubt in `cycle`.
     pub fn doubt(&mut self, doubt: Doubt, cycle: u64) {
         let until = cycle.saturating_add(DOUBTED);
@@ -163,6 +168,7 @@ mod tests {
         dispute.doubt(Doubt::TooShort, 80);
         assert!(dispute.is_open(80) && !dispute.is_unknown(80), "whole frames are what they are");
         assert_eq!(dispute.take_news(80), Some((Doubt::TooShort, false)));
+        assert!(dispute.is_too_short(129) && !dispute.is_too_short(130));
     }
 
     #[test]
