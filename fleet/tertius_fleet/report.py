@@ -42,21 +42,22 @@ QUERIES = {
             count(*) filter (level in ('red', 'black')) as severe
         from stories group by all order by machine, month""",
     "worst": """
-        select machine, begin, cylinder, level, suspect, summary, "end" is null as stands from stories
+        select machine, begin, cylinder, name, level, suspect, summary, "end" is null as stands from stories
         order by list_position(['black', 'red', 'orange', 'yellow', 'none'], level), begin desc limit 50""",
     "suspects": """
-        select machine, cylinder, suspect, count(*) as incidents, max(begin) as newest from stories
+        select machine, cylinder, max_by(name, begin) as name, suspect, max_by(suspect_name, begin) as suspect_name,
+            count(*) as incidents, max(begin) as newest from stories
         where suspect in ('c1', 'c2') group by all having count(*) > 1 order by incidents desc limit 30""",
     "trends": """
-        select machine, cylinder, transducer, dwells, months, moved_mm, mm_per_month, error_mm_per_month,
+        select machine, cylinder, name, transducer, transducer_name, dwells, months, moved_mm, mm_per_month, error_mm_per_month,
             maintenance_months, critical_months
         from trends qualify row_number() over (partition by machine, cylinder, transducer order by begin desc) = 1""",
     # The difference of the two transducers, day by day, tells a drift also where no stop is read.
     "differences": """
         with days as (
-            select machine, cylinder, day, sum(r3_mean * r3_count) / sum(r3_count) * 1000 as mean_mm
+            select machine, cylinder, max(name) as name, day, sum(r3_mean * r3_count) / sum(r3_count) * 1000 as mean_mm
             from minutes where r3_count > 0 group by all)
-        select machine, cylinder, count(*) as days, regr_slope(mean_mm, date_diff('day', date '2000-01-01', day)) * 30.4375
+        select machine, cylinder, max_by(name, day) as name, count(*) as days, regr_slope(mean_mm, date_diff('day', date '2000-01-01', day)) * 30.4375
             as mm_per_month, arg_min(mean_mm, day) as first_mm, arg_max(mean_mm, day) as last_mm,
             sqrt((1 - coalesce(regr_r2(mean_mm, date_diff('day', date '2000-01-01', day)), 1)) * regr_syy(mean_mm,
             date_diff('day', date '2000-01-01', day)) / nullif(count(*) - 2, 0) / nullif(regr_sxx(mean_mm,
@@ -83,6 +84,13 @@ QUERIES = {
     "reasons": """
         select machine, reasons, count(*) as recordings, min(begin) as first from summaries where not judged
         group by all order by recordings desc limit 50""",
+}
+
+#: Columns that tables of older programs do not have.
+NEWER = {
+    "incidents": ("name", "suspect_name"),
+    "minutes": ("name",),
+    "trends": ("name", "transducer_name"),
 }
 
 STYLE = """
@@ -113,7 +121,9 @@ def tables(results):
         # Microseconds are enough here, and more functions know them.
         times = [column[0] for column in columns if column[1].startswith("TIMESTAMP")]
         micros = ", ".join(f'make_timestamp(epoch_ns("{name}") // 1000) as "{name}"' for name in times)
-        base.execute(f"create view {table} as select * replace ({micros}) from {read}")
+        known = {column[0] for column in columns}
+        missing = "".join(f", null::varchar as {name}" for name in NEWER.get(table, ()) if name not in known)
+        base.execute(f"create view {table} as select * replace ({micros}){missing} from {read}")
     base.execute(f"create table stories as {QUERIES['stories']}")
     return base
 
@@ -132,6 +142,11 @@ def table(heads, lines, texts=()):
     for line in lines:
         out += ["<tr>", *(cell("td", index, value) for index, value in enumerate(line)), "</tr>"]
     return "".join([*out, "</tbody></table>"])
+
+
+def called(number, name):
+    """What has a number, with its name if it has one."""
+    return f"{number} {name}" if name else number
 
 
 def moment(at):
@@ -183,14 +198,14 @@ def overview(base):
 def drifts(base):
     """Transducers that drift: by the stops, and by the difference of the two day by day."""
     stops = [
-        [it["machine"], it["cylinder"], it["transducer"].upper(), it["dwells"], f"{it['months']:.1f}", f"{it['moved_mm']:+.2f}",
+        [it["machine"], called(it["cylinder"], it["name"]), called(it["transducer"].upper(), it["transducer_name"]), it["dwells"], f"{it['months']:.1f}", f"{it['moved_mm']:+.2f}",
          f"{it['mm_per_month']:+.3f} ± {it['error_mm_per_month']:.3f}",
          "–" if it["maintenance_months"] is None else f"{it['maintenance_months']:.1f}"]
         for it in rows(base, "trends")
         if it["maintenance_months"] is not None or abs(it["mm_per_month"]) > SURE * it["error_mm_per_month"]
     ]
     days = [
-        [it["machine"], it["cylinder"], it["days"], f"{it['first_mm']:+.3f}", f"{it['last_mm']:+.3f}",
+        [it["machine"], called(it["cylinder"], it["name"]), it["days"], f"{it['first_mm']:+.3f}", f"{it['last_mm']:+.3f}",
          f"{it['mm_per_month']:+.3f} ± {it['error']:.3f}"]
         for it in rows(base, "differences")
         if it["error"] is not None and abs(it["mm_per_month"]) > SURE * it["error"]
@@ -243,10 +258,14 @@ def unheard(base):
 def page(base):
     months = [[it["machine"], it["month"], it["incidents"], it["severe"]] for it in rows(base, "months")]
     worst = [
-        [it["machine"], moment(it["begin"]), it["cylinder"], it["level"], it["summary"] + (" (stands)" if it["stands"] else "")]
+        [it["machine"], moment(it["begin"]), called(it["cylinder"], it["name"]), it["level"], it["summary"] + (" (stands)" if it["stands"] else "")]
         for it in rows(base, "worst")
     ]
-    again = [[it["machine"], it["cylinder"], it["suspect"].upper(), it["incidents"], moment(it["newest"])] for it in rows(base, "suspects")]
+    again = [
+        [it["machine"], called(it["cylinder"], it["name"]), called(it["suspect"].upper(), it["suspect_name"]), it["incidents"],
+         moment(it["newest"])]
+        for it in rows(base, "suspects")
+    ]
     nothing = "<p>None.</p>"
     parts = [
         ("Machines", "Nobody tells this page which incidents were true, so that the rate of those of residuals, which chance "

@@ -31,7 +31,7 @@ pub struct ColumnFolder {
     files: ColumnFiles,
     /// Time stamp of the first frame of all, from which seconds count.
     begin: Timestamp,
-    /// How cylinders and transducers are called, in words.
+    /// How cylinders and transducers are called.
     names: MachineNames,
     warnings: DayRows<WarningRow>,
     incidents: DayRows<IncidentRow>,
@@ -114,6 +114,7 @@ impl ColumnFolder {
     /// A file cannot be written, as all that follow.
     pub fn record(&mut self, record: &Record) -> Result<(), Failure> {
         let over = self.gathering.take(record);
+        let over = over.map(|minute| minute.named(&self.names));
         over.map_or(Ok(()), |minute| self.minutes.take(minute, &mut self.files))
     }
 
@@ -122,7 +123,7 @@ impl ColumnFolder {
     /// # Errors
     /// See [`Self::record`].
     pub fn warning(&mut self, warning: &Warning) -> Result<(), Failure> {
-        let row = WarningRow { begin: self.begin, warning: *warning };
+        let row = WarningRow::new(self.begin, warning, &self.names);
         self.warnings.take(row, &mut self.files)
     }
 
@@ -149,7 +150,7 @@ impl ColumnFolder {
     /// # Errors
     /// See [`Self::record`].
     pub fn dwell(&mut self, cylinder: u8, dwell: &Dwell) -> Result<(), Failure> {
-        let row = DwellRow { begin: self.begin, cylinder, dwell: *dwell };
+        let row = DwellRow::new(self.begin, cylinder, dwell, &self.names);
         self.dwells.take(row, &mut self.files)
     }
 
@@ -165,11 +166,19 @@ impl ColumnFolder {
         false_alarms_per_year: f64,
     ) -> Result<(), Failure> {
         let Self {
-            mut files, warnings, incidents, notices, dwells, mut minutes, gathering, ..
+            mut files,
+            names,
+            warnings,
+            incidents,
+            notices,
+            dwells,
+            mut minutes,
+            gathering,
+            ..
         } = self;
         let Some(begin) = files.first else { return Ok(()) };
         for minute in gathering.rest() {
-            minutes.take(minute, &mut files)?;
+            minutes.take(minute.named(&names), &mut files)?;
         }
         warnings.finish(&mut files)?;
         incidents.finish(&mut files)?;

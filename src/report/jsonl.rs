@@ -21,7 +21,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 pub use incident::incident;
-use named::NameFields;
+pub(super) use named::NameFields;
 
 /// Seconds as a JSON number with all their digits.
 pub(super) type Digits = Box<RawValue>;

@@ -1,5 +1,6 @@
 //! `replay --parquet`: the tables have what the lines of JSON have, each where it belongs, and take nobody's place.
 
+use crate::names::named;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::value::RawValue;
@@ -183,6 +184,32 @@ fn tables_have_what_the_lines_have_to_the_bit() {
         let unknown = format!("\"no_baseline\":{}", row["no_baseline_seconds"]);
         assert!(coverage.contains(&judged) && coverage.contains(&unknown), "{coverage}");
     }
+}
+
+#[test]
+fn tables_have_the_names_that_the_lines_have() {
+    let scratch = Scratch::new();
+    let folder = scratch.path("columns");
+    let run = tabulate(FAULTS, &named(&scratch), &folder, &[]).ok();
+    for (table, kind) in [("warnings", "warning"), ("incidents", "incident"), ("notices", "notice")]
+    {
+        let rows = rows(&folder, table);
+        assert_same(&rows, &lines(&run, kind), &["cylinder", "name", "suspect_name"]);
+    }
+    let told = raw_list(&lines(&run, "summary")[0]["cylinders"]);
+    let cylinders = rows(&folder, "cylinders");
+    assert_eq!(cylinders.len(), told.len());
+    for (row, told) in cylinders.iter().zip(&told) {
+        let names = ["cylinder", "name", "c1_name", "c2_name"];
+        names.iter().for_each(|name| assert_eq!(row.get(*name), told.get(*name), "{name}"));
+    }
+    assert!(told[0].contains_key("name") && !told[5].contains_key("c1_name"));
+    let by_number = |number: &str| {
+        let told = told.iter().find(|it| it["cylinder"] == number).expect("a cylinder");
+        told["name"].clone()
+    };
+    let minutes = rows(&folder, "minutes");
+    assert!(minutes.len() > 6 && minutes.iter().all(|it| it["name"] == by_number(&it["cylinder"])));
 }
 
 #[test]

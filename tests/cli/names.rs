@@ -8,7 +8,7 @@ const FAULTS: &str = "tests/recordings/e-type-faults.log.zst";
 const CONFIG: &str = "tests/recordings/e-type-sequential.toml";
 
 /// The configuration with the names of all cylinders, and of the transducers of the first five.
-fn named(scratch: &Scratch) -> String {
+pub fn named(scratch: &Scratch) -> String {
     let text = fs::read_to_string(top().join(CONFIG)).expect("it ships");
     let dbc = top().join("dbc").display().to_string();
     let mut text = changed(&text, &[("../../dbc", &dbc)]);

@@ -18,6 +18,9 @@ from tertius_fleet.report import chance, write
 CONFIG = "tests/recordings/e-type-sequential.toml"
 LOG = "tests/recordings/e-type-faults.log.zst"
 
+#: How the configuration calls a cylinder and its C2.
+NAMES = ("two<", "LT-2B")
+
 #: Of machine B, cylinder 2, C1 − C2 moves by so much a day, mm.
 DRIFT = 0.1
 
@@ -34,11 +37,12 @@ YEAR = {
                 + (hash(d * 7 + cylinder) % 100 / 100.0 - 0.5) * 1e-5 as r3_mean)""",
     "cylinders": "select * replace (begin + to_days(d::int) as begin)",
     # One incident on A; on B one on every other day, four of them of plausibility alone.
-    "incidents": """
+    "incidents": f"""
         select * exclude (now, high, later) replace (begin + to_days(d::int) as begin,
             timestamp + to_days(d::int) + to_seconds(later) as timestamp, now as state, high as level,
             case when now = 'closed' then timestamp end as "end",
-            case when d < 8 then 'plausibility' else 'fde3' end as detectors, 'c2' as suspect, 2 as cylinder)""",
+            case when d < 8 then 'plausibility' else 'fde3' end as detectors, 'c2' as suspect, 2 as cylinder, '{NAMES[0]}' as name,
+            '{NAMES[1]}' as suspect_name)""",
     "warnings": "select *",
     # B's second bus is silent for 90 s on the third and the thirtieth day, and on the last one to the end; no other is. A's
     # only bus is lost once.
@@ -46,7 +50,7 @@ YEAR = {
         select d, machine, timestamp + to_days(d::int) + to_seconds(later) as timestamp, later::double as t,
             case machine when 'A' then 'interruption' else now end as notice, null::double as seconds,
             case machine when 'B' then 'second' end as bus""",
-    # C1 of B's cylinder 3 drifts from the thirtieth day on, as far as the stops know; its C2 does not.
+    # Without names, as in tables of older programs. C1 of B's cylinder 3 drifts from the thirtieth day on, as far as the stops know; its C2 does not.
     "trends": """
         select d, machine, begin + to_days(d::int) as begin, 3 as cylinder, transducer, 20 as dwells, 1.3e0 as months, 0.6e0 as moved_mm,
             case transducer when 'c1' then 0.45e0 else 0.01e0 end as mm_per_month, 0.02e0 as error_mm_per_month,
@@ -95,7 +99,11 @@ def main(program):
     assert abs(chance(3, 1.0) - 0.0803014) < 1e-6 and chance(0, 1.0) == 1.0 and chance(1, 0.0) == 0.0
     with tempfile.TemporaryDirectory() as folder:
         real = Path(folder) / "real"
-        call = [program, "replay", LOG, "--config", CONFIG, "--format", "jsonl", "--parquet", real]
+        config = Path(folder) / "named.toml"
+        names = f'name = "{NAMES[0]}"\nc2_name = "{NAMES[1]}"\n'
+        text = Path(CONFIG).read_text().replace("../../dbc", str(Path("dbc").absolute()))
+        config.write_text(text.replace("[[cylinder]]\nn = 2\n", f"[[cylinder]]\nn = 2\n{names}"))
+        call = [program, "replay", LOG, "--config", config, "--format", "jsonl", "--parquet", real]
         subprocess.run(call, check=True, capture_output=True)
         (Path(folder) / "columns").mkdir()
         of_the_year(real, folder)
@@ -104,7 +112,7 @@ def main(program):
         parts = dict(zip(re.findall("<h2>(.*?)</h2>", page), page.split("<h2>")[1:]))
 
         drifts = re.sub("<[^>]+>", " ", parts["Transducers that drift"])
-        found = re.findall(r"\b([AB])\s+(\d)\s+40\s+\S+\s+\S+\s+([+-]\S+) ±", drifts)
+        found = re.findall(r"\b([AB])\s+(\d) two&lt;\s+40\s+\S+\s+\S+\s+([+-]\S+) ±", drifts)
         assert [(machine, cylinder) for machine, cylinder, _ in found] == [("B", "2")], drifts
         assert abs(float(found[0][2]) - DRIFT * 30.4375) < 0.02, found
 
@@ -119,7 +127,8 @@ def main(program):
         of_b = [(int(count), int(red)) for machine, _, count, red in months if machine == "B"]
         assert sum(count for count, _ in of_b) == 20 and all(count == red for count, red in of_b), months
         assert len(of_b) == 2 and "stands" not in text, months
-        assert re.search(r"B 2 C2 20 ", text), "who is suspected again and again"
+        assert re.search(r"B 2 two&lt; C2 LT-2B 20 ", text), "who is suspected again and again"
+        assert re.search(r"B 20\d\d-\d\d-\d\d \d\d:\d\d 2 two&lt; red ", text), "the worst"
         assert "B 1 2023-11-21 22:13 the platform was never engaged" in text, text[-900:]
         unheard = re.sub(r"\s+", " ", re.sub("<[^>]+>", " ", parts["What was not heard"]))
         assert "B the second bus was silent while another was heard 3 180.0 1 2023-12-23 22:13" in unheard, unheard

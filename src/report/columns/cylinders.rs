@@ -8,16 +8,20 @@ use crate::process::ProcessCoverage;
 use crate::report::Summary;
 use crate::report::jsonl::in_seconds;
 use crate::report::stops::TrendLine;
+use crate::sample::Transducer;
 use crate::sequential::{Coverage, Unknown};
 use crate::time::Timestamp;
 
 /// What a recording says of a cylinder.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct CylinderRow {
     /// Time stamp of the recording's first frame.
     begin: Timestamp,
     /// Cylinder number, counted from 1.
     cylinder: usize,
+    name: Option<String>,
+    /// Names of C1 and C2.
+    transducers: [Option<String>; 2],
     sample_time: f64,
     tally: Tally,
     jumps: [u64; 2],
@@ -32,6 +36,9 @@ impl CylinderRow {
         let row = |(index, (tally, jumps)): (usize, (&Tally, &[u64; 2]))| Self {
             begin,
             cylinder: index + 1,
+            name: summary.names.of_cylinder(index + 1).map(str::to_owned),
+            transducers: [Transducer::C1, Transducer::C2]
+                .map(|it| summary.names.of_transducer(index + 1, it).map(str::to_owned)),
             sample_time: summary.sample_time,
             tally: *tally,
             jumps: *jumps,
@@ -60,6 +67,9 @@ impl TableRow for CylinderRow {
     const COLUMNS: &'static [TableColumn<Self>] = columns! {
         "begin", "ns since 1970, UTC", Time, "first frame of the recording", |it| Some(it.begin);
         "cylinder", "", Count, "from 1", |it| i64::try_from(it.cylinder).ok();
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
+        "c1_name", "", Text, "name of its C1, if it has one", |it| it.transducers[0].clone().map(Into::into);
+        "c2_name", "", Text, "name of its C2, if it has one", |it| it.transducers[1].clone().map(Into::into);
         "samples", "", Count, "cycles evaluated", |it| count(it.tally.cycles);
         "gated", "", Count, "cycles that neither FDE1 nor FDE2 judged", |it| count(it.tally.gated);
         "incomplete", "", Count, "cycles without something that is configured", |it| count(it.tally.incomplete);
@@ -105,7 +115,9 @@ impl TableRow for StopTrendRow {
     const COLUMNS: &'static [TableColumn<Self>] = columns! {
         "begin", "ns since 1970, UTC", Time, "first frame of the recording at whose end it is known", |it| Some(it.begin);
         "cylinder", "", Count, "from 1", |it| Some(it.line.cylinder.into());
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.line.name.clone().map(Into::into);
         "transducer", "", Text, "c1, c2", |it| Some(it.line.transducer.into());
+        "transducer_name", "", Text, "name of the transducer, if it has one", |it| it.line.transducer_name.clone().map(Into::into);
         "dwells", "", Count, "dwells that are kept", |it| i64::try_from(it.line.dwells).ok();
         "months", "months", Number, "the time between the first and the last", |it| Some(it.line.months);
         "moved_mm", "mm", Number, "how far the reading has moved", |it| Some(it.line.moved_mm);
@@ -144,6 +156,8 @@ mod tests {
         let row = CylinderRow {
             begin: Timestamp::from_nanos(1_700_000_000_000_000_001),
             cylinder: 3,
+            name: Some("FwdPort".to_owned()),
+            transducers: [Some("LT-103A".to_owned()), None],
             sample_time: 0.5,
             tally: Tally {
                 cycles: 1,
@@ -159,7 +173,7 @@ mod tests {
             unjudged: [Some(9), Some(10)],
         };
         let mut expected = json!({
-            "begin": 1_700_000_000_000_000_001_i64, "cylinder": 3,
+            "begin": 1_700_000_000_000_000_001_i64, "cylinder": 3, "name": "FwdPort", "c1_name": "LT-103A",
             "samples": 1, "gated": 2, "incomplete": 3, "implausible_c1": 4, "implausible_c2": 5,
             "counter_jumps_c1": 6, "counter_jumps_c2": 7, "warnings": 8,
             "unjudged_r1": 9, "unjudged_r2": 10,

@@ -7,17 +7,21 @@ use crate::alarm::{Evidence, Warning};
 use crate::config::MachineNames;
 use crate::incident::{Excursion, Incident, Quantity};
 use crate::report::device::{DeviceFields, EmergencyFields};
+use crate::report::jsonl::NameFields;
 use crate::sequential::Dwell;
 use crate::story;
 use crate::time::{Span, Timestamp};
 use std::borrow::Cow;
 
 /// A warning that was raised, changed or cleared.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct WarningRow {
     /// Time stamp of the first frame of all, from which seconds count.
-    pub begin: Timestamp,
-    pub warning: Warning,
+    begin: Timestamp,
+    warning: Warning,
+    /// As in the lines of JSON.
+    name: Option<String>,
+    suspect_name: Option<String>,
 }
 
 /// An incident that was opened, revised or closed.
@@ -26,18 +30,22 @@ pub struct IncidentRow {
     /// As [`WarningRow::begin`].
     begin: Timestamp,
     incident: Incident,
+    /// As in the lines of JSON.
+    name: Option<String>,
+    suspect_name: Option<String>,
     /// In words.
     summary: String,
 }
 
 /// A dwell on a mechanical stop.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct DwellRow {
     /// As [`WarningRow::begin`].
-    pub begin: Timestamp,
+    begin: Timestamp,
     /// Cylinder number, counted from 1.
-    pub cylinder: u8,
-    pub dwell: Dwell,
+    cylinder: u8,
+    name: Option<String>,
+    dwell: Dwell,
 }
 
 macro_rules! columns {
@@ -56,6 +64,17 @@ pub(super) const fn word(name: &'static str) -> Word {
 }
 
 impl WarningRow {
+    /// The row of `warning`, of recordings whose first frame has the time stamp `begin`.
+    pub fn new(begin: Timestamp, warning: &Warning, names: &MachineNames) -> Self {
+        let named = NameFields::new(names, Some(warning.cylinder), warning.finding.suspect);
+        Self {
+            begin,
+            warning: *warning,
+            name: named.name.map(str::to_owned),
+            suspect_name: named.suspect_name.map(str::to_owned),
+        }
+    }
+
     fn since(&self, at: Timestamp) -> Span {
         at.since(self.begin)
     }
@@ -80,9 +99,11 @@ impl TableRow for WarningRow {
         "timestamp", "ns since 1970, UTC", Time, "when it was raised, changed or cleared", |it| Some(it.warning.timestamp);
         "t", "s", Number, "the same since the first frame of all", |it| seconds(it.since(it.warning.timestamp));
         "cylinder", "", Count, "from 1", |it| Some(it.warning.cylinder.into());
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
         "detector", "", Text, "which detector", |it| word(it.warning.detector.name());
         "fault", "", Text, "the kind of fault", |it| word(it.warning.finding.fault.name());
         "suspect", "", Text, "undecided, c1, c2, process", |it| word(it.warning.finding.suspect.name());
+        "suspect_name", "", Text, "name of the transducer that is suspected, if it has one", |it| it.suspect_name.clone().map(Into::into);
         "level", "", Text, "none, yellow, orange, red, black", |it| word(it.warning.finding.level.name());
         "state", "", Text, "raised, changed, cleared", |it| word(it.warning.state.name());
         "residual", "m", Number, "what was compared, signed", |it| it.warning.finding.residual;
@@ -110,7 +131,14 @@ impl TableRow for WarningRow {
 impl IncidentRow {
     /// The row of `incident`, of recordings whose first frame has the time stamp `begin`.
     pub fn new(begin: Timestamp, incident: &Incident, names: &MachineNames) -> Self {
-        Self { begin, incident: *incident, summary: story::line(incident, names) }
+        let named = NameFields::new(names, incident.scope.cylinder(), incident.suspect);
+        Self {
+            begin,
+            incident: *incident,
+            name: named.name.map(str::to_owned),
+            suspect_name: named.suspect_name.map(str::to_owned),
+            summary: story::line(incident, names),
+        }
     }
 
     fn since(&self, at: Timestamp) -> Option<f64> {
@@ -145,8 +173,10 @@ impl TableRow for IncidentRow {
         "incident", "", Count, "number, from 1 in a run", |it| Some(it.incident.number.into());
         "state", "", Text, "opened, revised, closed, standing", |it| word(it.incident.progress.name());
         "cylinder", "", Count, "from 1; none for the machine", |it| it.incident.scope.cylinder().map(Into::into);
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
         "level", "", Text, "the highest that it reached", |it| word(it.incident.level.name());
         "suspect", "", Text, "undecided, c1, c2, process", |it| word(it.incident.suspect.name());
+        "suspect_name", "", Text, "name of the transducer that is suspected, if it has one", |it| it.suspect_name.clone().map(Into::into);
         "named", "ns since 1970, UTC", Time, "when that suspect was first named", |it| it.incident.named.map(|it| it.at);
         "named_by_its_end", "", Truth, "whether the end of the fault named it", |it| it.incident.named.map(|it| it.by_its_end);
         "fault", "", Text, "the kind of fault", |it| word(it.incident.fault.name());
@@ -176,6 +206,14 @@ impl TableRow for IncidentRow {
     }
 }
 
+impl DwellRow {
+    /// The row of a `dwell` of the `cylinder`, of recordings whose first frame has the time stamp `begin`.
+    pub fn new(begin: Timestamp, cylinder: u8, dwell: &Dwell, names: &MachineNames) -> Self {
+        let name = names.of_cylinder(cylinder).map(str::to_owned);
+        Self { begin, cylinder, name, dwell: *dwell }
+    }
+}
+
 impl TableRow for DwellRow {
     const TABLE: &'static str = "dwells";
 
@@ -183,6 +221,7 @@ impl TableRow for DwellRow {
         "timestamp", "ns since 1970, UTC", Time, "when the rod rested on its stop", |it| Some(it.dwell.at);
         "t", "s", Number, "the same since the first frame of all", |it| seconds(it.dwell.at.since(it.begin));
         "cylinder", "", Count, "from 1", |it| Some(it.cylinder.into());
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
         "c1", "m", Number, "mean reading of C1", |it| Some(it.dwell.readings[0]);
         "c2", "m", Number, "mean reading of C2", |it| Some(it.dwell.readings[1]);
     };

@@ -2,6 +2,7 @@
 
 use super::column::{Cells, TableColumn, TableRow};
 use super::events::columns;
+use crate::config::MachineNames;
 use crate::identify::moments::Spread;
 use crate::monitor::Record;
 use crate::time::Timestamp;
@@ -9,10 +10,11 @@ use crate::time::Timestamp;
 const MINUTE: i64 = 60_000_000_000;
 
 /// Statistics of one cylinder in one minute.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MinuteRow {
     begin: Timestamp,
     cylinder: u8,
+    name: Option<String>,
     cycles: u64,
     monitored: u64,
     judged: [u64; 2],
@@ -54,6 +56,11 @@ impl Minutes {
 }
 
 impl MinuteRow {
+    /// The row with the name that its cylinder has among `names`.
+    pub fn named(self, names: &MachineNames) -> Self {
+        Self { name: names.of_cylinder(self.cylinder).map(str::to_owned), ..self }
+    }
+
     fn count(&mut self, record: &Record) {
         self.cycles += 1;
         self.monitored += u64::from(record.monitored);
@@ -88,6 +95,7 @@ impl TableRow for MinuteRow {
     const COLUMNS: &'static [TableColumn<Self>] = columns! {
         "minute", "ns since 1970, UTC", Time, "its begin", |it| Some(it.begin);
         "cylinder", "", Count, "from 1", |it| Some(it.cylinder.into());
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
         "cycles", "", Count, "cycles evaluated", |it| super::count(it.cycles);
         "monitored", "", Count, "cycles in which the platform was in a monitored state", |it| super::count(it.monitored);
         "judged_r1", "", Count, "cycles in which R1 was judged", |it| super::count(it.judged[0]);

@@ -14,6 +14,8 @@ use crate::time::{Span, Timestamp};
 pub struct NoticeRow {
     /// Time since the first frame of all.
     since: Span,
+    /// Name of its cylinder.
+    name: Option<String>,
     fields: NoticeFields,
     summary: String,
 }
@@ -23,7 +25,8 @@ impl NoticeRow {
     pub fn new(begin: Timestamp, notice: &Notice, names: &MachineNames) -> Self {
         let fields = NoticeFields::from(notice);
         let [_, summary] = wording::notice(begin, notice, names);
-        Self { since: fields.at.since(begin), fields, summary }
+        let name = fields.cylinder.and_then(|number| names.of_cylinder(number)).map(str::to_owned);
+        Self { since: fields.at.since(begin), name, fields, summary }
     }
 }
 
@@ -38,6 +41,7 @@ impl TableRow for NoticeRow {
         "bus", "", Text, "of several: first, second, third, fourth", |it| word(it.fields.bus?);
         "message", "", Text, "whose frames cannot be relied on: its identifier", |it| it.fields.message.clone().map(Into::into);
         "cylinder", "", Count, "from 1", |it| it.fields.cylinder.map(Into::into);
+        "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
         "detector", "", Text, "whose observer starts anew", |it| word(it.fields.detector?);
         "reason", "", Text, "why: gap, diverged, time_jump, interruption", |it| word(it.fields.reason?);
         "skew", "s", Number, "mean time by which C2 is sampled sooner than C1", |it| it.fields.skew;
@@ -101,7 +105,8 @@ mod tests {
     fn rows_have_what_the_lines_have_and_say_it_in_words() {
         let begin = Timestamp::from_nanos(1_700_000_000_000_000_001);
         let at = begin.after(Span::from_nanos(500_000_000));
-        let names = MachineNames::default();
+        let names = r#"[{"name":"FwdPort"},{"name":"FwdStbd"},{}]"#;
+        let names: MachineNames = serde_json::from_str(names).expect("names");
         for notice in notices(at) {
             let mut line = Vec::new();
             jsonl::notice(&mut line, begin, &notice, &names).expect("it is memory");

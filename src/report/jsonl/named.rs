@@ -7,11 +7,11 @@ use serde::Serialize;
 
 /// Names of the cylinder that a line is about, and of the transducer that is suspected.
 #[derive(Serialize)]
-pub(super) struct NameFields<'a> {
+pub(in crate::report) struct NameFields<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
-    name: Option<&'a str>,
+    pub name: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    suspect_name: Option<&'a str>,
+    pub suspect_name: Option<&'a str>,
 }
 
 impl<'a> NameFields<'a> {
