@@ -159,8 +159,10 @@ fn tables_have_what_the_lines_have_to_the_bit() {
         "evidence",
     ];
     assert_same(&incidents, &told, &fields);
-    let of_begin = |line: &Row| line["timestamp"].clone();
-    assert_eq!(incidents[0]["begin"], nanos(&of_begin(&told[0])));
+    // Of the lines it counts from the first frame.
+    let number = |text: &str| nanos(text).parse::<i64>().expect("nanoseconds");
+    let first = number(&told[0]["timestamp"]) - number(&told[0]["t"]);
+    assert_eq!(incidents[0]["begin"], (first + number(&told[0]["begin"])).to_string());
 
     let summary = run.summary();
     let row = rows(&folder, "summaries").pop().expect("a row");
@@ -313,7 +315,8 @@ fn each_day_has_its_own_files_under_the_name_of_the_machine() {
     // From 23:59:54 to 00:00:06.
     let log = later(&between(&recorded("e-type-healthy.log.zst"), 30.0, 42.0), 6_364);
     let log = scratch.write("night.log", log);
-    let run = tabulate(&log, E_TYPE, &folder, &["--machine", "A 1"]).ok();
+    let run =
+        tabulate(&log, E_TYPE, &folder, &["--machine", "A 1"]).failed(1, &["nothing was judged"]);
     let names = |table| {
         let files = files(&folder, table);
         let below =
@@ -336,7 +339,7 @@ fn each_day_has_its_own_files_under_the_name_of_the_machine() {
     fs::copy(&files(&folder, "minutes")[0], stray.join(name)).expect("ours");
     let foreign = stray.join("of-somebody-else.parquet");
     fs::write(&foreign, "PAR1").expect("ours");
-    tabulate(&log, E_TYPE, &folder, &["--machine", "A 1"]).ok();
+    tabulate(&log, E_TYPE, &folder, &["--machine", "A 1"]).failed(1, &["nothing was judged"]);
     assert!(!stray.join(name).exists() && foreign.exists());
     assert!(fs::read(files(&folder, "minutes")[0].clone()).expect("it is there") == before);
 }
@@ -360,9 +363,9 @@ fn what_is_not_ours_stays_and_a_failed_run_leaves_nothing() {
         .flat_map(|table| files(&folder, table))
         .collect();
     assert_eq!(left, [path]);
-    call(&["--force"]).ok();
+    call(&["--force"]).failed(1, &["nothing was judged"]);
     assert_eq!(rows(&folder, "minutes").len(), 6);
-    call(&[]).ok();
+    call(&[]).failed(1, &["nothing was judged"]);
     // A recording in the place of a table is an input all the same.
     let inside = scratch.path("other/minutes/machine=M/day=2023-11-14");
     fs::create_dir_all(&inside).expect("ours");
@@ -412,7 +415,7 @@ fn dwells_and_trends_are_those_of_the_monitor_and_of_the_summary() {
     let (scratch, path) = (Scratch::new(), "stops.log");
     let (folder, log) = (scratch.path("columns"), scratch.path(path));
     write(Path::new(&log), "can0", &visits(0..12));
-    let run = tabulate(&log, CONFIG, &folder, &[]).ok();
+    let run = tabulate(&log, CONFIG, &folder, &[]).failed(1, &["nothing was judged"]);
     let loaded = config::load(&top().join(CONFIG)).expect("it ships");
     let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
     let mut monitor = Monitor::new(design::judging(&loaded.settings, &database).expect("they fit"));
@@ -468,7 +471,7 @@ fn the_metadata_tell_units_and_the_page_tells_every_column() {
     let scratch = Scratch::new();
     let folder = scratch.path("columns");
     let log = scratch.write("part.log", between(&recorded("e-type-healthy.log.zst"), 30.0, 33.0));
-    tabulate(&log, E_TYPE, &folder, &[]).ok();
+    tabulate(&log, E_TYPE, &folder, &[]).failed(1, &["nothing was judged"]);
     let page = fs::read_to_string(top().join("docs/OUTPUTS.md")).expect("it is there");
     for table in TABLES {
         let file = File::open(&files(&folder, table)[0]).expect("it is there");

@@ -38,9 +38,9 @@ YEAR = {
     "cylinders": "select * replace (begin + to_days(d::int) as begin)",
     # One incident on A; on B one on every other day, four of them of plausibility alone.
     "incidents": f"""
-        select * exclude (now, high, later) replace (begin + to_days(d::int) as begin,
-            timestamp + to_days(d::int) + to_seconds(later) as timestamp, now as state, high as level,
-            case when now = 'closed' then timestamp end as "end",
+        select * exclude (news, high, later) replace (begin + to_days(d::int) as begin,
+            timestamp + to_days(d::int) + to_seconds(later) as timestamp, news as state, high as level,
+            case when news = 'closed' then timestamp end as "end",
             case when d < 8 then 'plausibility' else 'fde3' end as detectors, 'c2' as suspect, 2 as cylinder, '{NAMES[0]}' as name,
             '{NAMES[1]}' as suspect_name)""",
     "warnings": "select *",
@@ -72,7 +72,7 @@ def of_the_year(real, folder):
             only = "where (machine = 'A' and d = 20) or (machine = 'B' and d % 2 = 0)"
         reports = ""
         if table == "incidents":
-            reports = ", (values ('opened', 'yellow', 0), ('closed', 'red', 5)) as reports(now, high, later)"
+            reports = ", (values ('opened', 'yellow', 0), ('closed', 'red', 5)) as reports(news, high, later)"
         if table == "notices":
             reports = ", (values ('silence', 0), ('heard_again', 90)) as reports(now, later)"
             source, times, plain = "(select make_timestamp(1700000000000000) as timestamp)", ["timestamp"], "timestamp as timestamp"
