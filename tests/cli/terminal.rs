@@ -82,9 +82,16 @@ fn what_an_eds_says_is_shown_as_text() {
     let scratch = Scratch::new();
     let config = super::canopen::config(&scratch, &[]);
     let eds = super::canopen::shipped("dbc/encoder.eds");
-    let eds = eds.replace("DataType=", &format!("DataType={EVIL}"));
-    scratch.write("encoder.eds", eds);
+    let wrong = eds.replace("DataType=", &format!("DataType={EVIL}"));
+    scratch.write("encoder.eds", wrong);
     harmless(check(&config).failed(2, &["DataType is"]));
+    // A value in a message is quoted. The name of an object stands as it is.
+    let named = eds.replace("ParameterName=", &format!("ParameterName={EVIL}"));
+    scratch.write("encoder.eds", named);
+    let run = harmless(check(&config).ok());
+    let shown =
+        "(\\u001b[2J\\u001b]0;owned\\u0007\\u009b31m\\u202e\\u2066Position value channel 1;";
+    assert!(run.stdout.contains(shown), "{}", run.stdout);
 }
 
 #[test]
