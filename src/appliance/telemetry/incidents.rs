@@ -115,6 +115,14 @@ impl OpenSlot {
         self.cylinders != Cylinders::NONE
     }
 
+    /// With a largest size that is at least that of `now`: it is told again only as it has grown by a quarter.
+    fn reaching(mut self, now: &[Option<f64>; QUANTITIES]) -> Self {
+        if let Some(worst) = &mut self.worst {
+            worst.peak = now[worst.quantity as usize].map_or(worst.peak, |now| worst.peak.max(now));
+        }
+        self
+    }
+
     /// The fault in words: `growing error`.
     pub fn kind(&self) -> &'static str {
         match self.is_of_machine() {
@@ -240,7 +248,7 @@ impl Incidents {
         now: [Option<f64>; QUANTITIES],
         names: &MachineNames,
     ) -> impl Iterator<Item = OpenIncident> {
-        self.slots().map(move |open| OpenIncident {
+        self.slots().map(move |open| open.reaching(&now)).map(move |open| OpenIncident {
             number: open.number,
             cylinder: Some(cylinder).filter(|_| !open.is_of_machine()),
             name: names.of_cylinder(cylinder).map(str::to_owned),
