@@ -126,6 +126,8 @@ enum Studied {
     Last,
     /// The same on cylinders that have no C2
     Single,
+    /// The estimate by a transducer less its step, once the other one is lost
+    Accommodate,
     /// False alarms
     Healthy,
 }
@@ -145,6 +147,7 @@ impl Studied {
                 | Self::Hexapod
                 | Self::Last
                 | Self::Single
+                | Self::Accommodate
         )
     }
 
@@ -167,6 +170,7 @@ impl Studied {
             Self::Hexapod => Study::Hexapod,
             Self::Last => Study::Last,
             Self::Single => Study::Single,
+            Self::Accommodate => Study::Accommodate,
             Self::Healthy => return None,
         })
     }

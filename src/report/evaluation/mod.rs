@@ -1,5 +1,6 @@
 //! An evaluation as text for a terminal and as JSON. The HTML page is made from the same tables.
 
+mod accommodate;
 mod contest;
 mod handover;
 mod hexapod;
@@ -73,6 +74,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.extend(evaluation.side.iter().flat_map(side::sections));
     sections.extend(evaluation.hexapod.iter().flat_map(hexapod::sections));
     sections.extend(evaluation.last.iter().flat_map(last::sections));
+    sections.extend(evaluation.accommodate.iter().map(accommodate::section));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

@@ -4,6 +4,7 @@ use super::plan::{Cell, Extent};
 use super::proportion::Proportion;
 use super::row::{SIGMA, Study};
 use super::stand::{Stand, StandError};
+use super::truth::Truth;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -12,7 +13,7 @@ use tertius_core::monitor::{Estimates, Monitor, MonitorDesign, Sink};
 use tertius_core::time::{Span, Timestamp};
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius_machine::plant::CYLINDERS;
-use tertius_machine::simulator::{Options, Simulator};
+use tertius_machine::simulator::Options;
 
 /// Time from the start to the earliest fault, s: the accuracy of the model has to be measured
 /// first.
@@ -134,12 +135,11 @@ impl Stand<'_> {
         let windows = times.map(|at| [at, at + case.lasting].map(Span::from_seconds));
         let mut watch = Watch {
             windows: windows.map(|window| window.map(|at| begun.after(at))),
-            half: Span::from_seconds(0.5 * self.settings.machine.sample_time),
-            truth: [(begun, [0.0; CYLINDERS]); 2],
+            truth: Truth::new(&simulator, self.settings.machine.sample_time),
             errors: Errors::default(),
         };
         for _ in 0..self.cycles(LEAD + SPREAD + case.lasting + 1.0) {
-            watch.truth = [watch.truth[1], (simulator.opening(), sound(&simulator))];
+            watch.truth.note(&simulator);
             simulator.step(&mut |frame| monitor.take(frame, &mut watch));
         }
         Ok(watch.errors)
@@ -160,36 +160,23 @@ impl Stand<'_> {
     }
 }
 
-/// Lengths of all cylinders as a noiseless C1 would read them, m. C1's own calibration error is
-/// unknown to anyone on the bus.
-pub(super) fn sound(simulator: &Simulator) -> [f64; CYLINDERS] {
-    std::array::from_fn(|leg| simulator.machine().calibrated(leg))
-}
-
 /// Compares the estimates with the truth.
 struct Watch {
     windows: [[Timestamp; 2]; CYLINDERS],
-    half: Span,
-    /// True lengths of the newest two cycles: a cycle that lacks something is reported during the
-    /// next.
-    truth: [(Timestamp, [f64; CYLINDERS]); 2],
+    truth: Truth,
     errors: Errors,
 }
 
 impl Sink for Watch {
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
-        let leg = usize::from(cylinder) - 1;
-        let of_cycle = |(opening, _): &&(Timestamp, _)| {
-            at.since(*opening).as_nanos().abs() < self.half.as_nanos()
-        };
-        let Some((opening, truth)) = self.truth.iter().find(of_cycle) else { return };
-        let [from, until] = self.windows[leg];
-        if *opening < from || *opening >= until {
+        let Some((opening, truth)) = self.truth.of(at, cylinder) else { return };
+        let [from, until] = self.windows[usize::from(cylinder) - 1];
+        if opening < from || opening >= until {
             return;
         }
         self.errors.cycles += 1;
         if let Some(estimate) = estimate.filter(|estimate| estimate.valid) {
-            let error = (estimate.position - truth[leg]).abs();
+            let error = (estimate.position - truth).abs();
             self.errors.sizes.push(error);
             self.errors.covered += u64::from(error <= 2.0 * estimate.sigma);
         }

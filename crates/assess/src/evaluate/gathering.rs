@@ -1,5 +1,6 @@
 //! Collects the results of the jobs, in any order.
 
+use super::accommodate::{AccommodateGathering, AccommodateResult};
 use super::claim::Judged;
 use super::contest;
 use super::estimate::{CASES, Errors, EstimateResult};
@@ -52,6 +53,9 @@ pub struct Evaluation {
     /// Faults of the last transducer of a cylinder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last: Option<LastResult>,
+    /// Estimates by a transducer less its step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accommodate: Option<AccommodateResult>,
 }
 
 /// A row with its figures.
@@ -109,6 +113,7 @@ pub struct Gathering<'a> {
     side: Option<SideGathering<'a>>,
     hexapod: Option<HexapodGathering<'a>>,
     last: Option<LastGathering<'a>>,
+    accommodate: Option<AccommodateGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -134,6 +139,10 @@ impl<'a> Gathering<'a> {
             side: plan.side.as_ref().map(SideGathering::new),
             hexapod: plan.hexapod.as_ref().map(HexapodGathering::new),
             last: plan.last.as_ref().map(|last| LastGathering::new(last, sample_time)),
+            accommodate: plan
+                .accommodate
+                .as_ref()
+                .map(|study| AccommodateGathering::new(study, sample_time)),
             estimates: BTreeMap::new(),
         }
     }
@@ -186,6 +195,11 @@ impl<'a> Gathering<'a> {
                     last.take(job, product);
                 }
             }
+            (Job::Accommodate(job), Product::Accommodate(product)) => {
+                if let Some(accommodate) = &mut self.accommodate {
+                    accommodate.take(job, product);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
@@ -200,6 +214,7 @@ impl<'a> Gathering<'a> {
                 | Job::Side(_)
                 | Job::Hexapod(_)
                 | Job::Last(_)
+                | Job::Accommodate(_)
                 | Job::Estimate { .. },
                 _,
             ) => {}
@@ -221,6 +236,7 @@ impl<'a> Gathering<'a> {
             side: self.side.as_ref().map(SideGathering::finish),
             hexapod: self.hexapod.as_ref().map(HexapodGathering::finish),
             last: self.last.as_ref().map(LastGathering::finish),
+            accommodate: self.accommodate.as_ref().map(AccommodateGathering::finish),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

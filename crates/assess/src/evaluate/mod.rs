@@ -16,12 +16,13 @@
 //! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
 //! cylinders themselves, [`handover`] what it is worth that a machine hears who is blamed, [`side`] whose drift it is
 //! inside the loop, and [`hexapod`] the same by the attitude of the deck. [`last`] tries the faults of a transducer that
-//! has no other one beside it any more.
+//! has no other one beside it any more, [`accommodate`] the estimate by one whose step is subtracted.
 //!
 //! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
 //! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
 //! controller also reads the fault: the second recommendation of the thesis's chapter 6.
 
+pub mod accommodate;
 mod claim;
 pub mod contest;
 mod estimate;
@@ -43,6 +44,7 @@ mod row;
 pub mod side;
 mod stand;
 mod trial;
+mod truth;
 pub mod weights;
 
 pub use claim::{Claim, Judged};

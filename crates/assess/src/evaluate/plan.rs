@@ -1,5 +1,6 @@
 //! What is to be tried, as jobs that do not depend on each other.
 
+use super::accommodate::{AccommodateJob, AccommodateProduct, AccommodateStudy};
 use super::contest::{self, Contest};
 use super::estimate::{CASES, Errors};
 use super::grade::Grade;
@@ -99,6 +100,8 @@ pub enum Job {
     Hexapod(HexapodJob),
     /// A job of the last transducers.
     Last(LastJob),
+    /// A machine of the accommodation.
+    Accommodate(AccommodateJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -115,6 +118,7 @@ pub enum Product {
     Side(SideProduct),
     Hexapod(HexapodProduct),
     Last(LastProduct),
+    Accommodate(AccommodateProduct),
     Estimate(Errors),
 }
 
@@ -139,6 +143,8 @@ pub struct Plan {
     pub hexapod: Option<HexapodStudy>,
     /// The last transducers, if requested.
     pub last: Option<LastStudy>,
+    /// Accommodation, if requested.
+    pub accommodate: Option<AccommodateStudy>,
 }
 
 /// First stream of healthy machines, above every stream of a row.
@@ -197,6 +203,7 @@ impl Plan {
         });
         let last =
             (asked(Study::Last) || asked(Study::Single)).then(|| LastStudy::new(seed, &extent));
+        let accommodate = asked(Study::Accommodate).then(|| AccommodateStudy::new(seed, &extent));
         Ok(Self {
             seed,
             extent,
@@ -209,6 +216,7 @@ impl Plan {
             side,
             hexapod,
             last,
+            accommodate,
         })
     }
 
@@ -257,6 +265,7 @@ impl Plan {
         let side = self.side.iter().flat_map(SideStudy::jobs).map(Job::Side);
         let hexapod = self.hexapod.iter().flat_map(HexapodStudy::jobs).map(Job::Hexapod);
         let last = self.last.iter().flat_map(LastStudy::jobs).map(Job::Last);
+        let accommodate = self.accommodate.iter().flat_map(AccommodateStudy::jobs);
         contest
             .chain(weights)
             .chain(process)
@@ -264,6 +273,7 @@ impl Plan {
             .chain(side)
             .chain(hexapod)
             .chain(last)
+            .chain(accommodate.map(Job::Accommodate))
             .chain(trials)
             .chain(healthy)
             .chain(estimates)
@@ -315,6 +325,10 @@ impl Plan {
             Job::Last(job) => {
                 let last = self.last.as_ref().expect("its jobs are of its own plan");
                 Product::Last(last.run(stand, job)?)
+            }
+            Job::Accommodate(job) => {
+                let study = self.accommodate.as_ref().expect("its jobs are of its own plan");
+                Product::Accommodate(study.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

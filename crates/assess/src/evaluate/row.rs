@@ -45,10 +45,12 @@ pub enum Study {
     Last,
     /// The same on cylinders that have no C2.
     Single,
+    /// The estimate by a transducer less its step once the other one is lost, with its own cases.
+    Accommodate,
 }
 
 impl Study {
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -66,6 +68,7 @@ impl Study {
         Self::Hexapod,
         Self::Last,
         Self::Single,
+        Self::Accommodate,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -87,6 +90,7 @@ impl Study {
             Self::Hexapod => "hexapod",
             Self::Last => "last",
             Self::Single => "single",
+            Self::Accommodate => "accommodate",
         }
     }
 }

@@ -1,12 +1,22 @@
 //! From settings to a virtual sensor.
 
 use super::Connector;
+use crate::settings::Settings;
 use tertius_core::compare::Comparator;
 use tertius_core::estimate::{
     AccommodationDesign, Drive, Dynamics, EstimateParameters, LengthScale, SensorDesign,
 };
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
+
+/// When a step is subtracted that has stood still for `after`, s.
+pub fn accommodation(settings: &Settings, after: f64) -> AccommodationDesign {
+    AccommodationDesign {
+        settle: settings.cycles(settings.observer.settle),
+        after: settings.cycles(after).max(2),
+        most: settings.cycles(settings.estimate.accommodate_for),
+    }
+}
 
 impl Connector<'_> {
     /// The virtual sensor of cylinder `n`, with what its `sequential` detector was calibrated to, if it
@@ -46,11 +56,10 @@ impl Connector<'_> {
             difference: settings.comparator.bound,
             bound: settings.estimate.bound,
             lengths,
-            accommodation: settings.estimate.accommodate_after.map(|after| AccommodationDesign {
-                settle: settings.cycles(settings.observer.settle),
-                after: settings.cycles(after).max(2),
-                most: settings.cycles(settings.estimate.accommodate_for),
-            }),
+            accommodation: settings
+                .estimate
+                .accommodate_after
+                .map(|after| accommodation(settings, after)),
             parameters,
         }
     }

@@ -11,6 +11,7 @@ mod surveyed;
 mod tilt;
 mod times;
 
+pub use estimate::accommodation;
 pub use flaw::Flaw;
 
 use super::settings::{CylinderSignals, Settings};

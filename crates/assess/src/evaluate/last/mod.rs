@@ -26,6 +26,9 @@ use tertius_core::monitor::MonitorDesign;
 use tertius_machine::inject::{Shape, Wanted};
 use trial::Drawn;
 
+/// An estimate is wrong when it is off by more of its own standard deviations than this.
+pub(super) const WRONG: f64 = 3.0;
+
 /// Why a cylinder has one transducer left: the state of the other one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outage {

@@ -1,10 +1,10 @@
 //! One machine whose cylinders have one transducer left.
 
 use super::outcome::{Heard, LastOutcome, LastQuiet, Pair, WATCH};
-use super::{LastGroup, Outage, STRETCH};
-use crate::evaluate::estimate::sound;
+use super::{LastGroup, Outage, STRETCH, WRONG};
 use crate::evaluate::stand::{Stand, StandError};
 use crate::evaluate::trial::signed;
+use crate::evaluate::truth::Truth;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tertius_config::settings::Settings;
@@ -28,9 +28,6 @@ const SPREAD: f64 = 5.0;
 /// Time from the outage to the earliest fault, and span within which the faults begin, s.
 const APART: f64 = 10.0;
 const FAULT_SPREAD: f64 = 1.0;
-
-/// An estimate is wrong when it is off by more of its own standard deviations than this.
-const WRONG: f64 = 3.0;
 
 /// What is drawn of a cylinder. Times count from the end of [`LEAD`], s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,9 +81,7 @@ struct Listener {
     incidents: Vec<Incident>,
     /// Cycles in which the estimate of a cylinder was valid and wrong.
     wrong: [Vec<Timestamp>; CYLINDERS],
-    half: Span,
-    /// True lengths of the newest two cycles: a cycle that lacks something is reported during the next.
-    truth: [(Timestamp, [f64; CYLINDERS]); 2],
+    truth: Truth,
 }
 
 impl Sink for Listener {
@@ -104,13 +99,9 @@ impl Sink for Listener {
 
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
         let Some(estimate) = estimate.filter(|estimate| estimate.valid) else { return };
-        let of_cycle = |(opening, _): &&(Timestamp, _)| {
-            at.since(*opening).as_nanos().abs() < self.half.as_nanos()
-        };
-        let Some((opening, truth)) = self.truth.iter().find(of_cycle) else { return };
-        let leg = usize::from(cylinder) - 1;
-        if (estimate.position - truth[leg]).abs() > WRONG * estimate.sigma {
-            self.wrong[leg].push(*opening);
+        let Some((opening, truth)) = self.truth.of(at, cylinder) else { return };
+        if (estimate.position - truth).abs() > WRONG * estimate.sigma {
+            self.wrong[usize::from(cylinder) - 1].push(opening);
         }
     }
 }
@@ -126,7 +117,7 @@ struct Running {
 impl Running {
     fn step(&mut self) {
         let Self { simulator, monitor, listener } = self;
-        listener.truth = [listener.truth[1], (simulator.opening(), sound(simulator))];
+        listener.truth.note(simulator);
         simulator.step(&mut |frame| monitor.take(frame, listener));
     }
 }
@@ -190,8 +181,7 @@ impl Stand<'_> {
             warnings: Vec::new(),
             incidents: Vec::new(),
             wrong: Default::default(),
-            half: Span::from_seconds(0.5 * settings.machine.sample_time),
-            truth: [(simulator.opening(), [0.0; CYLINDERS]); 2],
+            truth: Truth::new(&simulator, settings.machine.sample_time),
         };
         let mut running = Running { simulator, monitor: Monitor::new(design), listener };
         for _ in 0..self.cycles(LEAD) {
