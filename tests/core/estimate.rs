@@ -3,11 +3,16 @@
 
 use crate::sequential_support::{Setup, fine, setup as calibrated};
 use std::sync::OnceLock;
+use tertius::alarm::{State as Said, Warning};
 use tertius::config::design;
 use tertius::dbc::{Database, text};
+use tertius::estimate::Estimate;
 use tertius::evaluate::{
     CASES, Cell, EstimateResult, Extent, Gathering, Grade, Lessons, Plan, Stand, Study,
 };
+use tertius::monitor::{Estimates, Monitor, Sink};
+use tertius::time::Timestamp;
+use tertius::verdict::Suspect;
 use tertius_testing::support;
 
 const SEA: [f64; 2] = [2.5, 8.0];
@@ -109,4 +114,64 @@ fn with_a_fitted_drive() {
     let (two, five) =
         (of(&figures, "both are lost for 2 s"), of(&figures, "both are lost for 5 s"));
     assert!(two.valid > 0.8 && (0.2..0.9).contains(&five.valid), "{two:?} {five:?}");
+}
+
+/// The estimates of cylinder 1, and whether a warning that names its process stood.
+#[derive(Default)]
+struct Standing {
+    process: Vec<usize>,
+    estimates: Vec<(Timestamp, Estimate, bool)>,
+}
+
+impl Sink for Standing {
+    fn warning(&mut self, warning: &Warning) {
+        if warning.cylinder != 1 {
+            return;
+        }
+        self.process.retain(|place| *place != warning.place);
+        if warning.state != Said::Cleared && warning.finding.suspect == Suspect::Process {
+            self.process.push(warning.place);
+        }
+    }
+
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        if let Some(estimate) = estimate.filter(|_| cylinder == 1) {
+            self.estimates.push((at, *estimate, !self.process.is_empty()));
+        }
+    }
+}
+
+/// Both readings move by 30 mm at once, as those of a rod do that something has pushed: the filters lag behind it.
+#[test]
+fn while_the_process_is_blamed_sigma_covers_how_far_the_filters_lag() {
+    let setup = plain();
+    let play = |seed: u64, faults: &[String]| {
+        let mut design = design::judging(&setup.settings, &setup.database).expect("they fit");
+        design.estimates = Estimates::Told;
+        let mut simulator = setup.simulator(&setup.options(seed, faults));
+        let (mut monitor, mut heard) = (Monitor::new(design), Standing::default());
+        for _ in 0..50 * 70 {
+            simulator.step(&mut |frame| monitor.take(frame, &mut heard));
+        }
+        monitor.finish(&mut heard);
+        heard.estimates
+    };
+    let mut valid = 0;
+    for (seed, size) in [(1, 0.03), (2, -0.03), (3, 0.03), (4, -0.03), (5, 0.005), (6, -0.005)] {
+        let still = play(seed, &[]);
+        let step = |sensor| format!("step,cylinder=1,sensor={sensor},at=60,size={size}");
+        let pushed = play(seed, &["c1", "c2"].map(step));
+        assert_eq!(pushed.len(), still.len());
+        for ((at, estimate, is_process), (_, still, _)) in pushed.iter().zip(&still) {
+            if *is_process && estimate.valid {
+                valid += 1;
+                let error = estimate.position - (still.position + size);
+                assert!(
+                    error.abs() <= 3.0 * estimate.sigma,
+                    "{seed}, {at:?}: {error} {estimate:?}"
+                );
+            }
+        }
+    }
+    assert!(valid > 50, "{valid}");
 }

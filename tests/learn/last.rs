@@ -2,7 +2,18 @@
 
 use crate::yard::{Yard, tertius};
 use serde_json::Value;
-use tertius_testing::support;
+use tertius::alarm::{Level, Warning};
+use tertius::config::design;
+use tertius::dbc::{Database, text};
+use tertius::estimate::Estimate;
+use tertius::evaluate::process::ProcessMachine;
+use tertius::evaluate::{Grade, Lessons, Stand};
+use tertius::inject::{Fault, place};
+use tertius::monitor::{Estimates, Monitor, MonitorDesign, Sink};
+use tertius::simulator::{EPOCH, Options, Tables};
+use tertius::time::Timestamp;
+use tertius::verdict::Suspect;
+use tertius_testing::support::{self, top};
 
 const CONFIG: &str = "config/e-type-simulated.toml";
 
@@ -104,4 +115,78 @@ fn a_fast_drift_of_an_only_transducer_is_found_by_the_model() {
     let drift = |n: u32| format!("drift,cylinder={n},sensor=c1,at={},rate=0.045", begin(n));
     let faults: Vec<_> = (1..=4).map(drift).collect();
     assert_found((&yard, &config), &faults, "c1", begin, 12.0);
+}
+
+/// The warnings, and when each cylinder had a valid estimate, s.
+#[derive(Default)]
+struct Heard {
+    warnings: Vec<Warning>,
+    valid: Vec<(u8, f64)>,
+}
+
+impl Sink for Heard {
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(*warning);
+    }
+
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        if estimate.is_some_and(|it| it.valid) {
+            self.valid.push((cylinder, at.since(EPOCH).as_seconds()));
+        }
+    }
+}
+
+/// Thresholds, detectors and the relations of the hydraulics are the machine's own. Nothing that moves is left to compare.
+#[test]
+fn both_that_freeze_at_once_on_a_commissioned_machine_are_both_named() {
+    let loaded = tertius::config::load(&top().join(CONFIG)).expect("it ships");
+    let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it ships");
+    let plant = std::fs::read_to_string(top().join("config/e-type-hydraulic-plant.toml"));
+    let tables = Tables::parse(&plant.expect("it ships")).expect("it ships");
+    let design = design::judging(&loaded.settings, &database).expect("they fit");
+    let stand = Stand::new(&tables, &loaded.settings, &database, &design);
+    let (machine, sea) = (ProcessMachine { grade: Grade::Fine, lag: 0.06 }, [2.5, 8.0]);
+    let lessons = Lessons { calibration: 0.25, level: 0.25 };
+    let learnt = stand.commission(machine, false, &[sea], [1, 2], lessons).expect("it teaches");
+    let is_taught = learnt.design.cylinders.iter().all(|it| {
+        it.sequential.is_some() && it.process.as_ref().is_some_and(|it| it.flow.is_some())
+    });
+    assert!(is_taught);
+    for seed in [5, 6] {
+        let begin = |n: u8| 120.0 + f64::from(n);
+        let freeze = |n: u8, sensor: &str| {
+            let text = format!("freeze,cylinder={n},sensor={sensor},at={}", begin(n));
+            let fault = Fault::parse(&text).expect(&text);
+            place(&fault, &loaded.settings, &database).expect("it has a place")
+        };
+        let faults = (1..=3).flat_map(|n| ["c1", "c2"].map(|sensor| freeze(n, sensor))).collect();
+        let options = Options { seed, sea: Some(sea), faults, ..Options::default() };
+        let mut simulator = stand.steady(Grade::Fine, &options).expect("it can be simulated");
+        let told = MonitorDesign { estimates: Estimates::Told, ..learnt.design.clone() };
+        let (mut monitor, mut heard) = (Monitor::new(told), Heard::default());
+        for _ in 0..50 * 150 {
+            simulator.step(&mut |frame| monitor.take(frame, &mut heard));
+        }
+        monitor.finish(&mut heard);
+        for n in 1..=6 {
+            let valid = || heard.valid.iter().filter(|it| it.0 == n).map(|it| it.1);
+            assert!(valid().any(|at| (100.0..120.0).contains(&at)), "{seed}, {n}");
+            let black = [Suspect::C1, Suspect::C2].map(|suspect| {
+                let of_it = |it: &&Warning| {
+                    (it.cylinder, it.finding.suspect) == (n, suspect)
+                        && it.finding.level == Level::Black
+                };
+                let first = heard.warnings.iter().find(of_it);
+                first.map(|it| it.timestamp.since(EPOCH).as_seconds() - begin(n))
+            });
+            if n > 3 {
+                assert_eq!(black, [None; 2], "{seed}, {n}");
+                continue;
+            }
+            let named = black.map(|it| it.unwrap_or_else(|| panic!("{seed}, {n}: {black:?}")));
+            assert!(named.iter().all(|it| (0.0..6.0).contains(it)), "{seed}, {n}: {named:?}");
+            let both = begin(n) + named[0].max(named[1]);
+            assert_eq!(valid().find(|at| *at > both), None, "{seed}, {n}: valid after {both}");
+        }
+    }
 }
