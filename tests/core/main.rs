@@ -42,6 +42,7 @@ mod pcap;
 mod pdo;
 mod plant;
 mod process;
+mod process_alone;
 mod resume;
 mod riccati;
 mod savvycan;

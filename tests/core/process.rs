@@ -59,11 +59,31 @@ impl Taught {
 
     /// The same in a sea of a significant height in m and a peak period in s.
     fn in_a_sea(sea: Option<[f64; 2]>, faults: &[&str], seconds: f64) -> Self {
+        Self::on(|_| (), sea, faults, seconds)
+    }
+
+    /// The machine of a configuration without C2.
+    pub fn alone() -> Self {
+        let without = |settings: &mut Settings| {
+            let own = &mut settings.signals.cylinder;
+            (own.c2, own.c2_velocity, own.c2_status, own.c2_counter) = (None, None, None, None);
+        };
+        Self::on(without, None, &[], 700.0)
+    }
+
+    /// The machine of the configuration after a `change`.
+    fn on(
+        change: impl Fn(&mut Settings),
+        sea: Option<[f64; 2]>,
+        faults: &[&str],
+        seconds: f64,
+    ) -> Self {
         let loaded = config::load(&top().join("config/e-type-simulated.toml")).expect("it ships");
         let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it ships");
         let plant = std::fs::read_to_string(top().join("config/e-type-hydraulic-plant.toml"));
         let tables = Tables::parse(&plant.expect("it ships")).expect("it ships");
         let mut settings = loaded.settings;
+        change(&mut settings);
         let surveying = design::surveying(&settings, &database).expect("they fit");
         let mut rows = (ProcessRows::new(&settings), SupplyRows::new(&settings));
         let (mut monitor, mut survey) =
@@ -103,7 +123,7 @@ impl Taught {
     }
 
     /// Warnings of `seconds` of another recording with these faults.
-    fn warnings(&self, seed: u64, faults: &[&str], seconds: f64) -> Vec<Warning> {
+    pub fn warnings(&self, seed: u64, faults: &[&str], seconds: f64) -> Vec<Warning> {
         self.by_design(self.design.clone(), seed, faults, seconds)
     }
 
@@ -123,7 +143,7 @@ impl Taught {
     }
 }
 
-fn of_process(warnings: &[Warning]) -> Vec<&Warning> {
+pub fn of_process(warnings: &[Warning]) -> Vec<&Warning> {
     warnings.iter().filter(|it| it.detector == Detector::Process).collect()
 }
 

@@ -45,7 +45,7 @@ fn a_mixed_machine_is_commissioned_and_its_report_says_what_is_left_out() {
     }
     let process = alone["process"].as_table().expect("spool and chambers are learnt");
     assert!(process.contains_key("spool"), "{process:?}");
-    assert!(process.contains_key("flow") && !process.contains_key("friction"), "{process:?}");
+    assert!(process.contains_key("flow") && process.contains_key("friction"), "{process:?}");
     for n in [1, 2, 4, 5, 6] {
         let both = cylinder(&after, n).expect("it has a table");
         assert!(both.contains_key("sequential") && both.contains_key("c2_gain"), "{both:?}");
@@ -67,4 +67,10 @@ fn a_machine_without_any_c2_is_identified_and_tuned_by_c1() {
     assert!(page.contains("it has no C2, so nothing of C1 - C2 is learnt"), "{page}");
     assert!(!page.contains("\n bound of R3"), "{page}");
     assert!(!page.contains("whether C1 and C2 are swapped"), "{page}");
+    let after = yard.read("config.toml");
+    for n in 1..=6 {
+        let process = cylinder(&after, n).expect("it has a table")["process"].clone();
+        assert!(process.get("flow").is_some() && process.get("friction").is_some(), "{process:?}");
+    }
+    tertius(&["check", &config]).ok();
 }

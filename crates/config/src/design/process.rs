@@ -93,11 +93,9 @@ impl Connector<'_> {
         ];
         let of_spool = [("signals.cylinder.spool", own.spool.is_some())];
         let has_load = own.load_pressure.is_some() || of_chambers[0].1 && of_chambers[1].1;
-        let of_friction = [
-            ("signals.cylinder.c2", self.settings.has_c2(n)),
-            ("signals.cylinder.pressure_bottom and pressure_rod, or load_pressure", has_load),
-        ];
-        let of_flow = [of_spool[0], of_friction[1], of_chambers[2]];
+        let of_friction =
+            [("signals.cylinder.pressure_bottom and pressure_rod, or load_pressure", has_load)];
+        let of_flow = [of_spool[0], of_friction[0], of_chambers[2]];
         let wanted = [
             (fitted.spool.is_some(), &of_spool[..]),
             (fitted.chambers.is_some(), &of_chambers),

@@ -25,8 +25,8 @@ pub struct ProcessDesign {
     pub chambers: Option<ChambersDesign>,
     pub flow: Option<FlowDesign>,
     pub friction: Option<FrictionDesign>,
-    /// Whether there are two transducers, by which flow and friction are judged; beside a single one the oil gives the rod's
-    /// speed alone.
+    /// Whether there are two transducers, by which the flow is judged; beside a single one the oil gives the rod's speed
+    /// alone.
     pub is_pair: bool,
     /// Whether the machine's supply is watched, see [`Process::take_supply`].
     pub supply: bool,
@@ -250,7 +250,7 @@ impl Process {
     fn step_friction(&mut self, input: &ProcessInput, load: Option<f64>) {
         let Some(friction) = &mut self.friction else { return };
         let is_odd = self.alarms[CHAMBERS].is_some();
-        let sample = input.forces(load).filter(|_| !is_odd);
+        let sample = input.forces(load, self.design.is_pair).filter(|_| !is_odd);
         let is_complete = friction.step(sample);
         self.judged |= u8::from(friction.is_judging()) << FRICTION;
         if !is_complete {

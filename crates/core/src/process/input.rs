@@ -54,9 +54,10 @@ impl ProcessInput {
         OilReading { pressure: self.supply, length }
     }
 
-    /// What the balance of forces needs, beside [`Self::load`]; `None` without all of it.
-    pub(super) fn forces(&self, load: Option<f64>) -> Option<ForceSample> {
+    /// What the balance of forces needs, beside [`Self::load`]; `None` without all of it. A single C1 stands for C2, too.
+    pub(super) fn forces(&self, load: Option<f64>, is_pair: bool) -> Option<ForceSample> {
         let [c1, c2] = self.lengths;
+        let c2 = if is_pair { c2 } else { c1 };
         Some(ForceSample { length: 0.5 * (c1? + c2?), load: load? })
     }
 

@@ -318,8 +318,8 @@ impl CalibrationCourse<'_> {
 
 /// What is not learnt of a cylinder without C2.
 const ALONE: &str = "it has no C2, so nothing of C1 - C2 is learnt: no correction, no part in the bound of R3, no \
-                     sequential detector, and no process detector by flow or friction; drifts of C1, and steps below δ_h, \
-                     are not found";
+                     sequential detector, and no process detector by the flow; drifts of C1, and steps below δ_h, are not \
+                     found";
 
 /// Everything learnt of one cylinder.
 type Learnt = (

@@ -38,7 +38,7 @@ pub struct LearntProcess {
     /// `None` where the configuration does not name the spool, the load pressure or the supply's. Without C2 it gives the
     /// rod's speed alone.
     pub flow: Option<Result<FlowTable, ProcessRefusal>>,
-    /// `None` where the configuration does not name the load pressure or C2.
+    /// `None` where the configuration does not name the load pressure.
     pub friction: Option<Result<FrictionTable, ProcessRefusal>>,
 }
 
@@ -105,9 +105,7 @@ impl LearntProcess {
 impl ProcessRows {
     /// Whether `settings` name what a relation of a cylinder is made of.
     pub fn are_named(settings: &Settings) -> bool {
-        let cylinders = 1..=settings.machine.cylinders;
-        let any_friction = || cylinders.into_iter().any(|n| has_friction(settings, n));
-        has_spool(settings) || has_chambers(settings) || any_friction()
+        has_spool(settings) || has_chambers(settings) || has_load(settings)
     }
 
     /// What the rows of all cylinders teach. They are taken in the order of the recording's
@@ -131,7 +129,7 @@ impl ProcessRows {
                 let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
                 flow::learn(self.of(n), geometry, time, level)
             }),
-            friction: has_friction(settings, n).then(|| {
+            friction: has_load(settings).then(|| {
                 let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
                 friction::learn(self.of(n), geometry, time, level)
             }),
@@ -153,10 +151,6 @@ const fn has_spool(settings: &Settings) -> bool {
 
 const fn has_flow(settings: &Settings) -> bool {
     has_spool(settings) && has_load(settings) && settings.signals.supply.is_some()
-}
-
-fn has_friction(settings: &Settings, n: u8) -> bool {
-    has_load(settings) && settings.has_c2(n)
 }
 
 const fn has_load(settings: &Settings) -> bool {

@@ -46,11 +46,8 @@ impl Process {
     /// Which relations it can judge by.
     pub const fn knows(&self) -> [bool; RELATIONS] {
         let [spool, chambers] = &self.weighings;
-        let (flow, friction) = match self.design.is_pair {
-            true => (self.flow.is_some(), self.friction.is_some()),
-            false => (false, false),
-        };
-        [spool.is_some(), chambers.is_some(), flow, friction, self.design.supply]
+        let flow = self.design.is_pair && self.flow.is_some();
+        [spool.is_some(), chambers.is_some(), flow, self.friction.is_some(), self.design.supply]
     }
 
     /// A bit for each relation that judged the newest cycle, and for that of the supply if it judged the one before.
