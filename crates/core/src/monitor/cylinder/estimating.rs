@@ -65,7 +65,7 @@ impl Cylinder {
             // The two differ by the error of one of them: by a blamed one's, or by that of a reading of which neither observer
             // shows yet whether it is wild, as where a rod moves slowly away from a frozen one.
             undecided: (blames(Suspect::Undecided) || is_parted) && unblamed == [true; 2],
-            resolved: is_resolved(&found),
+            resolved: is_resolved(&found) || self.last.any_latched(),
             process: blames(Suspect::Process),
             departs: self.last.shared.as_ref().map_or(0.0, SharedDeparture::size),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
@@ -76,17 +76,46 @@ impl Cylinder {
     }
 }
 
-/// Whether a detector names a transducer for what it reads. That no reading comes, or a frozen one, says nothing of what it
-/// read before.
+/// Whether a detector of a difference that stands names a transducer. An observer alone is raised by noise for a second: while
+/// coarse readings drifted apart that made the one that had drifted by 150 mm the one to rely on.
 fn is_resolved(found: &[Option<Finding>; PLACES]) -> bool {
-    let facts = [WarningPlace::PlausibilityOfC1, WarningPlace::PlausibilityOfC2];
     let names = |it: &Finding| matches!(it.suspect, Suspect::C1 | Suspect::C2);
-    let mut each = found.iter().enumerate().filter_map(|(place, it)| Some((place, it.as_ref()?)));
-    each.any(|(place, it)| names(it) && !facts.iter().any(|fact| *fact as usize == place))
+    let standing = [WarningPlace::Fde3, WarningPlace::Sequential, WarningPlace::Hexapod];
+    standing.into_iter().any(|place| found[place as usize].as_ref().is_some_and(names))
 }
 
 /// Whether `suspect` is blamed for a step, and for nothing else.
 fn is_displaced(found: &[Option<Finding>; PLACES], suspect: Suspect) -> bool {
     let mut blaming = found.iter().flatten().filter(|it| it.suspect == suspect).peekable();
     blaming.peek().is_some() && blaming.all(|it| it.fault == Fault::Abrupt)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::alarm::Level;
+
+    #[test]
+    fn what_noise_raises_for_a_second_ends_no_dispute() {
+        let finding = Finding {
+            fault: Fault::Noise,
+            suspect: Suspect::C2,
+            level: Level::Red,
+            residual: None,
+            threshold: None,
+            evidence: None,
+            device: None,
+        };
+        for (place, suspect, ends) in [
+            (WarningPlace::Fde2, Suspect::C2, false),
+            (WarningPlace::PlausibilityOfC2, Suspect::C2, false),
+            (WarningPlace::Fde3, Suspect::Undecided, false),
+            (WarningPlace::Fde3, Suspect::C2, true),
+            (WarningPlace::Sequential, Suspect::C1, true),
+        ] {
+            let mut found = [None; PLACES];
+            found[place as usize] = Some(Finding { suspect, ..finding });
+            assert_eq!(is_resolved(&found), ends, "{place:?} {suspect:?}");
+        }
+    }
 }
