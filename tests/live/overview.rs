@@ -36,6 +36,7 @@ fn an_open_incident_has_its_size_now_and_the_largest_so_far() {
     assert!(first == second && second == third, "one incident: {told:?}");
     assert!(large > small && less < large, "{told:?}");
     assert!(told.iter().all(|(_, now, peak)| peak >= now), "{told:?}");
+    assert!(told.iter().all(|(_, now, peak)| peak >= now), "{told:?}");
     assert!(*higher > 2.0 * peak && last >= higher, "{told:?}");
 }
 

@@ -67,7 +67,7 @@ pub struct OpenSlot {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenWorst {
     pub quantity: Quantity,
-    /// Its largest absolute value so far, m, as the monitor told it last.
+    /// Its largest absolute value so far, m.
     pub peak: f64,
     /// Its limit, m.
     pub limit: f64,
@@ -113,14 +113,6 @@ impl OpenSlot {
     /// Whether it is the machine's.
     pub fn is_of_machine(&self) -> bool {
         self.cylinders != Cylinders::NONE
-    }
-
-    /// With a largest size that is at least that of `now`: it is told again only as it has grown by a quarter.
-    fn reaching(mut self, now: &[Option<f64>; QUANTITIES]) -> Self {
-        if let Some(worst) = &mut self.worst {
-            worst.peak = now[worst.quantity as usize].map_or(worst.peak, |now| worst.peak.max(now));
-        }
-        self
     }
 
     /// The fault in words: `growing error`.
@@ -230,6 +222,20 @@ impl Incidents {
         slot.write(incident);
     }
 
+    /// Takes what is of `now`: the monitor tells a size again only as it has grown by a quarter, and no largest one is below
+    /// the present one.
+    pub fn reach(&self, now: impl Fn() -> [Option<f64>; QUANTITIES]) {
+        for slot in &self.slots {
+            let packed = slot.packed.load(Ordering::Relaxed);
+            let Some(place) = (packed >> 24 & QUANTITY).checked_sub(1) else { continue };
+            if let Some(size) = now().get(place as usize).copied().flatten()
+                && slot.peak.get().is_some_and(|peak| size > peak)
+            {
+                slot.peak.set(Some(size));
+            }
+        }
+    }
+
     /// Forgets all of them: another monitor counts anew.
     pub fn clear(&self) {
         self.slots.iter().for_each(|slot| slot.packed.store(0, Ordering::Relaxed));
@@ -248,7 +254,7 @@ impl Incidents {
         now: [Option<f64>; QUANTITIES],
         names: &MachineNames,
     ) -> impl Iterator<Item = OpenIncident> {
-        self.slots().map(move |open| open.reaching(&now)).map(move |open| OpenIncident {
+        self.slots().map(move |open| OpenIncident {
             number: open.number,
             cylinder: Some(cylinder).filter(|_| !open.is_of_machine()),
             name: names.of_cylinder(cylinder).map(str::to_owned),

@@ -78,6 +78,7 @@ impl Recorder {
         }
         let apart = record.c1.zip(record.c2).map(|(c1, c2)| (c1 - c2).abs());
         cylinder.measured.set(apart.filter(|apart| apart.is_finite()));
+        cylinder.incidents.reach(|| cylinder.quantities());
         self.filling[index].record(record, &cylinder.trend);
     }
 
