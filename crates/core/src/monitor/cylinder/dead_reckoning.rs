@@ -9,6 +9,7 @@
 //! Two readings that agree are judged by what both are off by: a fault that they have in common, of a supply or an input
 //! card, leaves their difference at zero, and the observers follow it.
 
+mod course;
 mod free_model;
 
 use super::last::{SharedDeparture, common};
@@ -21,6 +22,7 @@ use crate::sequential::{Pair, Sequential};
 use crate::state::state;
 use crate::time::{self, Timestamp};
 use crate::verdict::VerdictParameters;
+use course::Course;
 use free_model::FreeModel;
 
 /// What gives the rod's way, the best one first.
@@ -76,33 +78,6 @@ pub enum Compared {
     Neither,
 }
 
-/// The readings of one transducer less dead reckoning.
-#[derive(Clone, Debug)]
-struct Course {
-    /// The reading less the way and the error, m, where the present stretch began, in which the way is known.
-    origin: Option<f64>,
-    /// Error of dead reckoning so far, m.
-    error: f64,
-    /// The same at the newest ticks, a ring.
-    errors: [f64; HELD],
-    /// Windows, one bit each, in which the error was beyond its limit at the newest tick: to either side.
-    beyond: [u8; 2],
-}
-
-state! { Course { origin, error, errors, beyond } }
-
-impl Course {
-    const NONE: Self = Self { origin: None, error: 0.0, errors: [0.0; HELD], beyond: [0; 2] };
-
-    /// Takes the reading of a tick after this `way`, m; the first one of a stretch adds no error. Returns whether it goes on.
-    fn follow(&mut self, reading: Option<f64>, way: f64) -> bool {
-        let Some(apart) = reading.map(|reading| reading - way) else { return false };
-        let goes_on = self.origin.is_some();
-        self.error = apart - *self.origin.get_or_insert(apart - self.error);
-        goes_on
-    }
-}
-
 /// Dead reckoning of one cylinder.
 #[derive(Clone, Debug)]
 pub struct DeadReckoning {
@@ -127,6 +102,8 @@ pub struct DeadReckoning {
     distance: f64,
     /// Distance at the newest ticks, a ring.
     distances: [f64; HELD],
+    /// Part of the way that the rod goes until the next cycle, m.
+    ahead: f64,
     next: usize,
     held: usize,
     /// Cycles since the newest tick.
@@ -143,7 +120,7 @@ pub struct DeadReckoning {
 }
 
 state! {
-    DeadReckoning { model, courses, way, distance, distances, next, held, cycles, calm, usual, pace, bias }
+    DeadReckoning { model, courses, way, distance, distances, ahead, next, held, cycles, calm, usual, pace, bias }
     but { parameters, source, sample_time, least, tick, memory, bias_memory, settling }
     sound |it| it.next < HELD && it.held <= HELD
 }
@@ -178,6 +155,7 @@ impl DeadReckoning {
             way: 0.0,
             distance: 0.0,
             distances: [0.0; HELD],
+            ahead: 0.0,
             next: 0,
             held: 0,
             cycles: 0,
@@ -217,6 +195,24 @@ impl DeadReckoning {
             Some(way) => (self.way, self.distance) = (self.way + way, self.distance + way.abs()),
             None => self.pause(),
         }
+        self.ahead = match (self.source, velocity) {
+            (WaySource::Drive | WaySource::Model, Some(velocity)) => self.sample_time * velocity,
+            _ => 0.0,
+        };
+    }
+
+    /// What both readings, m, are off by since the last tick but one, and the limit of that, m; `None` where the way is not
+    /// known since, or too little was learnt.
+    pub fn error_of(&self, lengths: [f64; 2]) -> Option<(f64, f64)> {
+        let since = (self.next + HELD - 2) % HELD;
+        let way = self.way - self.ahead;
+        let error = |i: usize| {
+            let Course { origin, errors, .. } = &self.courses[i];
+            Some(lengths[i] - way - (*origin)? - errors[since])
+        };
+        let limit = self.limit(1, self.distance - self.distances[since])?;
+        let error = common([error(0)?, error(1)?]);
+        (self.held >= 2).then_some((error, limit))
     }
 
     /// Takes the readings of a tick, m: judges what is `compared`, and learns the usual errors while nothing is found of the

@@ -20,7 +20,6 @@ use crate::observe::observer::Measurement;
 use crate::sample::plausibility::NOWHERE;
 use crate::sample::{Quality, Transducer};
 use crate::state::whole;
-use crate::time;
 use crate::verdict::{Fault, Residuals, Suspect, Verdict};
 pub(super) use departing::{SharedDeparture, common};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
@@ -50,11 +49,13 @@ pub struct LastOne {
     pub(super) shared: Option<SharedDeparture>,
     /// What both innovations have in common.
     together: Watched,
+    /// What dead reckoning shows of it, m, and the limit of that.
+    jump: Option<(f64, f64)>,
     /// Whether anything was found in the cycle before, or the rod stood on its stop.
     is_attended: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, is_attended } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, jump, is_attended } }
 
 impl Default for LastOne {
     fn default() -> Self {
@@ -70,6 +71,7 @@ impl Default for LastOne {
             has_joined: false,
             shared: None,
             together: Watched::default(),
+            jump: None,
             is_attended: false,
         }
     }
@@ -182,7 +184,7 @@ impl Cylinder {
         }
         let finds = self.finds_anything();
         if finds {
-            self.judge_jump(now.at, residuals, command);
+            self.judge_jump(now.at, residuals, good);
             self.doubt_last(residuals, good);
             self.try_motion(residuals, good, command);
             let most = MOST * self.design.bank.observer.high;
@@ -237,18 +239,6 @@ impl Cylinder {
         !self.has(TRANSDUCERS[1 - i]) || self.last.of[1 - i].out > self.design.coincidence
     }
 
-    /// What innovations of transducer `i` are compared with.
-    fn limits(&self, i: usize) -> Limits {
-        let (parameters, observer) = (self.design.bank.parameters, &self.design.observers[i]);
-        Limits {
-            least: self.design.bank.observer.high,
-            noise: parameters.last_noise,
-            gain: observer.l[(0, 0)],
-            aftermath: 2 * observer.recovery(),
-            confirm: time::samples(parameters.confirmed, self.design.bank.sample_time),
-        }
-    }
-
     fn judge_alone(&mut self, i: usize, residuals: &Residuals, good: [Option<Measurement>; 2]) {
         let residual = residuals.r[i];
         let found = self.bank.detections()[i];
@@ -261,7 +251,7 @@ impl Cylinder {
         let high = self.design.bank.observer.high;
         // On a machine that the model fits badly a threshold alone is no evidence.
         let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
-        let limits = Limits { least: high.max(usual), ..self.limits(i) };
+        let limits = Limits { least: high.max(usual), ..Limits::of(&self.design, i) };
         let is_apart = !self.implausible[1 - i].raised() && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let exceeds = residual.is_some_and(|it| it.abs() > high.max(NAMED * usual));

@@ -1,10 +1,11 @@
 //! Departures from dead reckoning: of the last transducer, or of both alike.
 
 use super::NAMES;
-use super::displacement::{Latch, Limits, Watched};
+use super::displacement::{CONFIRMED, Latch, Limits, Watched};
 use crate::alarm::{Evidence, Finding};
 use crate::monitor::cylinder::Cylinder;
 use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError};
+use crate::observe::observer::Measurement;
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Residuals, Suspect, Testimony, Verdict, bank::Detection};
@@ -62,40 +63,45 @@ impl Cylinder {
         }
     }
 
-    /// Takes innovations that jump together while C1 − C2 stays: within a cycle no rod moves further than it goes at its
-    /// largest command, even where an obstacle stops it.
+    /// Takes innovations that jump together while C1 − C2 stays, and go on doing so. By a model that fits badly a rod at work
+    /// has such innovations, too, so that dead reckoning has to show the same jump.
     #[cold]
     pub(super) fn judge_jump(
         &mut self,
         at: Timestamp,
         residuals: &Residuals,
-        command: Option<f64>,
+        good: [Option<Measurement>; 2],
     ) {
-        let observer = &self.design.observers[0];
-        let is_apart = self.bank.verdicts()[2] == Verdict::Faulty;
-        let usual = &self.last.usual;
-        if is_apart || usual.calm < observer.settle {
-            self.last.together = Watched::default();
-            return;
-        }
-        let fastest = command.map_or(0.0, f64::abs).max(usual.range.command);
-        let limits = Limits {
-            least: fastest * self.design.bank.sample_time + self.design.bank.observer.high,
-            noise: u32::MAX,
-            ..self.limits(0)
-        };
+        let Some(reckoning) = &mut self.reckoning else { return };
         let [r1, r2, _] = residuals.r;
         let innovation = r1.zip(r2).map(|(r1, r2)| common([r1, r2]));
-        let Some(off) = self.last.together.confirm(innovation, &limits) else { return };
-        let limit = limits.least;
-        self.last.shared = match self.last.shared {
-            None => Some(SharedDeparture { off, limit, since: at, is_jump: true }),
-            Some(shared) => shared.and(off, limit),
+        let last = &mut self.last;
+        if self.bank.verdicts()[2] == Verdict::Faulty {
+            last.together = Watched::default();
+            return;
+        }
+        let limits = Limits { noise: u32::MAX, ..Limits::of(&self.design, 0) };
+        let was_tried = last.together.tried.is_some();
+        let confirmed = last.together.confirm(innovation, &limits);
+        if let (false, Some(jump)) = (was_tried, last.together.tried) {
+            let lengths = good[0].zip(good[1]).map(|(c1, c2)| [c1.position, c2.position]);
+            let error = lengths.and_then(|it| reckoning.error_of(it));
+            last.jump = error.filter(|(off, limit)| {
+                off.abs() > *limit && (CONFIRMED..1.0 / CONFIRMED).contains(&(off / jump.first))
+            });
+        }
+        let Some(jump) = confirmed else { return };
+        last.shared = match (last.shared, last.jump) {
+            (None, Some((off, limit))) => {
+                Some(SharedDeparture { off, limit, since: at, is_jump: true })
+            }
+            (Some(shared), Some((off, limit))) => shared.and(off, limit),
+            // Back by as much, where the way is not known just then.
+            (Some(shared), None) => shared.and(jump, shared.limit),
+            (None, None) => return,
         };
         // Or it would be found once more.
-        if let Some(reckoning) = &mut self.reckoning {
-            reckoning.forget();
-        }
+        reckoning.forget();
     }
 
     /// Takes a departure from dead reckoning: latches the last transducer, or what both are off by. So does a cylinder that

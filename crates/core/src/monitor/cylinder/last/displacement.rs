@@ -1,7 +1,8 @@
 //! From innovations of the last transducer to a displacement of it.
 
+use crate::monitor::cylinder::CylinderDesign;
 use crate::state::whole;
-use crate::time::Timestamp;
+use crate::time::{self, Timestamp};
 use crate::verdict::Fault;
 
 /// A displacement of the last transducer, found once and not refuted since.
@@ -62,6 +63,20 @@ pub struct Limits {
     pub aftermath: u32,
     /// Innovations after the first that confirm a displacement.
     pub confirm: u32,
+}
+
+impl Limits {
+    /// Those of transducer `i`.
+    pub fn of(design: &CylinderDesign, i: usize) -> Self {
+        let (parameters, observer) = (design.bank.parameters, &design.observers[i]);
+        Self {
+            least: design.bank.observer.high,
+            noise: parameters.last_noise,
+            gain: observer.l[(0, 0)],
+            aftermath: 2 * observer.recovery(),
+            confirm: time::samples(parameters.confirmed, design.bank.sample_time),
+        }
+    }
 }
 
 /// Part of a displacement that has to be there in the next cycle, too.

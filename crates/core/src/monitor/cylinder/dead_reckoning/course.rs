@@ -1,0 +1,31 @@
+//! What one transducer is off by against dead reckoning.
+
+use super::HELD;
+use crate::state::state;
+
+/// The readings of one transducer less dead reckoning.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// The reading less the way and the error, m, where the present stretch began, in which the way is known.
+    pub origin: Option<f64>,
+    /// Error of dead reckoning so far, m.
+    pub error: f64,
+    /// The same at the newest ticks, a ring.
+    pub errors: [f64; HELD],
+    /// Windows, one bit each, in which the error was beyond its limit at the newest tick: to either side.
+    pub beyond: [u8; 2],
+}
+
+state! { Course { origin, error, errors, beyond } }
+
+impl Course {
+    pub const NONE: Self = Self { origin: None, error: 0.0, errors: [0.0; HELD], beyond: [0; 2] };
+
+    /// Takes the reading of a tick after this `way`, m; the first one of a stretch adds no error. Returns whether it goes on.
+    pub fn follow(&mut self, reading: Option<f64>, way: f64) -> bool {
+        let Some(apart) = reading.map(|reading| reading - way) else { return false };
+        let goes_on = self.origin.is_some();
+        self.error = apart - *self.origin.get_or_insert(apart - self.error);
+        goes_on
+    }
+}
