@@ -49,13 +49,15 @@ pub struct LastOne {
     pub(super) shared: Option<SharedDeparture>,
     /// What both innovations have in common.
     together: Watched,
+    /// Whether both observers were raised in the cycle before.
+    are_raised: bool,
     /// What dead reckoning shows of it, m, and the limit of that.
     jump: Option<(f64, f64)>,
     /// Whether anything was found in the cycle before, or the rod stood on its stop.
     is_attended: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, jump, is_attended } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, are_raised, jump, is_attended } }
 
 impl Default for LastOne {
     fn default() -> Self {
@@ -71,6 +73,7 @@ impl Default for LastOne {
             has_joined: false,
             shared: None,
             together: Watched::default(),
+            are_raised: false,
             jump: None,
             is_attended: false,
         }
@@ -118,7 +121,7 @@ impl LastOne {
     /// Takes a cycle in which nothing was found.
     fn forget(&mut self) {
         self.of = self.of.map(|it| Watched { power: it.power, ..Watched::default() });
-        self.together = Watched::default();
+        (self.together, self.are_raised) = (Watched::default(), false);
     }
 
     /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`, for so many `cycles`.

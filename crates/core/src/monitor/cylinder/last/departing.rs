@@ -73,9 +73,14 @@ impl Cylinder {
         good: [Option<Measurement>; 2],
     ) {
         let Some(reckoning) = &mut self.reckoning else { return };
+        let [fde1, fde2, _] = self.bank.detections().map(|it| it.map(|it| it.residual));
         let [r1, r2, _] = residuals.r;
-        let innovation = r1.zip(r2).map(|(r1, r2)| common([r1, r2]));
         let last = &mut self.last;
+        let raised = fde1.zip(fde2);
+        let was_raised = core::mem::replace(&mut last.are_raised, raised.is_some());
+        // Beside a sequential detector the observers have followed by the time that a jump is known not to be wild.
+        let both = raised.filter(|_| !was_raised).or(r1.zip(r2));
+        let innovation = both.map(|(one, other)| common([one, other]));
         if self.bank.verdicts()[2] == Verdict::Faulty {
             last.together = Watched::default();
             return;
@@ -97,8 +102,10 @@ impl Cylinder {
             }
             (Some(shared), Some((off, limit))) => shared.and(off, limit),
             // Back by as much, where the way is not known just then.
-            (Some(shared), None) => shared.and(jump, shared.limit),
-            (None, None) => return,
+            (Some(shared), None) if jump / shared.off < -CONFIRMED => {
+                shared.and(jump, shared.limit)
+            }
+            (_, None) => return,
         };
         // Or it would be found once more.
         reckoning.forget();
