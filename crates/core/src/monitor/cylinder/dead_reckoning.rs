@@ -22,7 +22,7 @@ use crate::sequential::{Pair, Sequential};
 use crate::state::state;
 use crate::time::{self, Timestamp};
 use crate::verdict::VerdictParameters;
-use course::Course;
+use course::ReckonedCourse;
 use free_model::FreeModel;
 
 /// What gives the rod's way, the best one first.
@@ -96,7 +96,7 @@ pub struct DeadReckoning {
     settling: u32,
     model: FreeModel,
     /// Of C1 and of C2.
-    courses: [Course; 2],
+    courses: [ReckonedCourse; 2],
     /// Way of the rod by its command, and the same without its direction, m.
     way: f64,
     distance: f64,
@@ -151,7 +151,7 @@ impl DeadReckoning {
             bias_memory: time::cycles(parameters.reckoned_bias, parameters.reckoned),
             settling,
             model: FreeModel::new(settling),
-            courses: [Course::NONE; 2],
+            courses: [ReckonedCourse::NONE; 2],
             way: 0.0,
             distance: 0.0,
             distances: [0.0; HELD],
@@ -207,7 +207,7 @@ impl DeadReckoning {
         let since = (self.next + HELD - 2) % HELD;
         let way = self.way - self.ahead;
         let error = |i: usize| {
-            let Course { origin, errors, .. } = &self.courses[i];
+            let ReckonedCourse { origin, errors, .. } = &self.courses[i];
             Some(lengths[i] - way - (*origin)? - errors[since])
         };
         let limit = self.limit(1, self.distance - self.distances[since])?;

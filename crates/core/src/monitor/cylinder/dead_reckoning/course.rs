@@ -5,7 +5,7 @@ use crate::state::state;
 
 /// The readings of one transducer less dead reckoning.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct ReckonedCourse {
     /// The reading less the way and the error, m, where the present stretch began, in which the way is known.
     pub origin: Option<f64>,
     /// Error of dead reckoning so far, m.
@@ -16,9 +16,9 @@ pub struct Course {
     pub beyond: [u8; 2],
 }
 
-state! { Course { origin, error, errors, beyond } }
+state! { ReckonedCourse { origin, error, errors, beyond } }
 
-impl Course {
+impl ReckonedCourse {
     pub const NONE: Self = Self { origin: None, error: 0.0, errors: [0.0; HELD], beyond: [0; 2] };
 
     /// Takes the reading of a tick after this `way`, m; the first one of a stretch adds no error. Returns whether it goes on.

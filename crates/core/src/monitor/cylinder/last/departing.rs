@@ -163,7 +163,8 @@ impl Cylinder {
         let found = Detection { fault, suspect: Suspect::Process, residual, threshold };
         let evidence = self.departure_evidence([residual, threshold], since);
         let by = if is_jump { Testimony::Innovations } else { Testimony::Way };
-        let evidence = Some(Evidence { by: Some(by), ..evidence });
+        // That it is latched is news where FDE1 stands already.
+        let evidence = Some(Evidence { by: Some(by), size: Some(residual), ..evidence });
         Some(Finding { evidence, ..self.observer_finding(found) })
     }
 
