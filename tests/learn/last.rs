@@ -102,6 +102,37 @@ fn a_drift_that_both_have_in_common_is_found_by_dead_reckoning() {
     assert_found((&yard, &config), &faults, "process", begin, 10.0);
 }
 
+/// FDE1 and FDE2 are quiet again after a second. In the loop the controller answers by a command beyond the lesson's.
+#[test]
+fn a_step_that_both_have_in_common_stands() {
+    let yard = Yard::new();
+    let config = yard.path("config.toml");
+    let lesson = yard.simulate("lesson.log", ["1.5,7", "31"], 700, &[]);
+    tertius(&["calibrate", &lesson, "--config", &config, "--into", &config]).ok();
+    let steps = |n: u32| {
+        ["c1", "c2"].map(|sensor| {
+            format!("step,cylinder={n},sensor={sensor},at={},size=0.025", 330 + 10 * n)
+        })
+    };
+    let faults: Vec<_> = (1..=4).flat_map(steps).collect();
+    let faults = faults.iter().flat_map(|it| ["--fault", it]).collect::<Vec<_>>();
+    for more in [&["--force"][..], &["--force", "--in-loop"]] {
+        let log = yard.simulate("faulty.log", ["1.5,7", "32"], 420, &[&faults[..], more].concat());
+        let run = tertius(&["replay", &log, "--config", &config, "--format", "jsonl"]);
+        let records = run.stdout.lines().map(|it| serde_json::from_str::<Value>(it).expect("JSON"));
+        let warnings: Vec<_> =
+            records.filter(|it| it["type"] == "warning" && it["detector"] == "fde1").collect();
+        for n in 1..=6 {
+            let newest = warnings.iter().rfind(|it| it["cylinder"] == n);
+            let is = |key: &str, word: &str| newest.is_some_and(|it| it[key] == word);
+            let stands =
+                is("suspect", "process") && is("fault", "abrupt") && !is("state", "cleared");
+            let expected = (n <= 4, n <= 4);
+            assert_eq!((newest.is_some(), stands), expected, "{more:?}, {n}: {newest:?}");
+        }
+    }
+}
+
 /// Without a second transducer no drive is learnt, and the model itself gives the velocity.
 #[test]
 fn a_fast_drift_of_an_only_transducer_is_found_by_the_model() {

@@ -69,7 +69,8 @@ impl Cylinder {
     }
 
     /// After a command that the thresholds were not made for, only what one observer alone sees is a fault. One that
-    /// started meanwhile does not have what the other one has from before, and proves nothing.
+    /// started meanwhile does not have what the other one has from before, and proves nothing. What exceeded its threshold
+    /// before that command is no error of it: a controller answers a step of both readings by 25 mm within a cycle.
     #[cold]
     fn keep_lonely(&self, residuals: &mut Residuals, mut judged: [Option<f64>; 2]) {
         if !self.observers.iter().all(|it| self.commands.is_shared_by(it.followed())) {
@@ -77,7 +78,9 @@ impl Cylinder {
         }
         let high = self.design.bank.observer.high;
         for (i, residual) in residuals.r.iter_mut().take(judged.len()).enumerate() {
-            *residual = residual.filter(|it| it.abs() <= high || is_alone(*it, judged[1 - i]));
+            let has_begun = self.bank.is_open(i);
+            *residual =
+                residual.filter(|it| it.abs() <= high || has_begun || is_alone(*it, judged[1 - i]));
         }
     }
 
