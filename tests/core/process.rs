@@ -7,6 +7,7 @@ use tertius::alarm::{Detector, Level, State, Warning};
 use tertius::config;
 use tertius::config::design;
 use tertius::config::settings::{Cylinder, Settings};
+use tertius::controller::State as ControllerState;
 use tertius::dbc::{Database, text};
 use tertius::frame::Frame;
 use tertius::inject::{Fault, Wanted, place};
@@ -345,6 +346,36 @@ fn both_that_step_alike_depart_from_the_way_until_they_are_back() {
         // The oil that passed the valve had taken the way back for that of the rod.
         assert!(is_healthy(295.0, 300.0).iter().all(|it| *it), "{n}");
     }
+}
+
+/// The first one reads on its stop what it read there before. Its readings came back where nothing was monitored.
+#[test]
+fn what_both_share_ends_on_the_stop_where_they_read_what_they_read_before() {
+    let of = |n: u8, until: &str| {
+        ["c1", "c2"]
+            .map(|sensor| format!("step,cylinder={n},sensor={sensor},at=200{until},size=0.03"))
+    };
+    let faults = [of(3, ",until=335"), of(5, "")].concat();
+    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
+    let mut monitor = Monitor::new(TAUGHT.design.clone());
+    let mut simulator = simulator(&TAUGHT.tables, &TAUGHT.settings, &TAUGHT.database, 35, &faults);
+    let mut healthy = Vec::new();
+    for (state, seconds) in [
+        (ControllerState::Engaged, 30_u32),
+        (ControllerState::Safe, 60),
+        (ControllerState::Engaged, 200),
+        (ControllerState::Safe, 70),
+        (ControllerState::Engaged, 30),
+    ] {
+        simulator.request(state);
+        let mut warnings: Vec<Warning> = Vec::new();
+        for _ in 0..50 * seconds {
+            simulator.step(&mut |frame| monitor.take(frame, &mut warnings));
+        }
+        let status = monitor.status(simulator.opening());
+        healthy.push([3, 5].map(|n: usize| status.transducers[n - 1] == [Health::Healthy; 2]));
+    }
+    assert_eq!((healthy[0], healthy[2], healthy[4]), ([true; 2], [false; 2], [true, false]));
 }
 
 /// The controller follows a C1 that drifts until the end of the rod's way holds it. C2, which stands there as the rod does,

@@ -191,18 +191,17 @@ impl DeadReckoning {
     /// Takes the velocity from one cycle to the next one, m/s.
     #[inline]
     fn go(&mut self, velocity: Option<f64>) {
-        match velocity.map(|velocity| self.sample_time * velocity) {
+        let way = velocity.map(|velocity| self.sample_time * velocity);
+        match way {
             Some(way) => (self.way, self.distance) = (self.way + way, self.distance + way.abs()),
             None => self.pause(),
         }
-        self.ahead = match (self.source, velocity) {
-            (WaySource::Drive | WaySource::Model, Some(velocity)) => self.sample_time * velocity,
-            _ => 0.0,
-        };
+        self.ahead = if self.source == WaySource::Oil { 0.0 } else { way.unwrap_or_default() };
     }
 
     /// What both readings, m, are off by since the last tick but one, and the limit of that, m; `None` where the way is not
-    /// known since, or too little was learnt.
+    /// known since, or too little was learnt. Of the last tick itself a jump may be part already, which is known to be none
+    /// of a wild reading three cycles later.
     pub fn error_of(&self, lengths: [f64; 2]) -> Option<(f64, f64)> {
         let since = (self.next + HELD - 2) % HELD;
         let way = self.way - self.ahead;
@@ -230,10 +229,10 @@ impl DeadReckoning {
         }
         self.calm = if is_calm { self.calm.saturating_add(1) } else { 0 };
         let of = if let Compared::Alone(i) = compared { [i; 2] } else { [0, 1] };
+        let is_judged = compared != Compared::Neither;
         let (mut beyond, mut found) = ([0_u8; 2], None);
         for window in 0..WINDOWS {
             let ticks = 1 << window;
-            let is_judged = compared != Compared::Neither;
             // The bias is followed all the same: a pair that differs for half an hour, as it warms, may agree again.
             if ticks > self.held || !is_judged && window > 0 {
                 break;
@@ -357,7 +356,7 @@ impl Cylinder {
         }
     }
 
-    /// Judges a last transducer at a tick, and latches one that departs from dead reckoning.
+    /// Judges the readings at a tick, and latches what departs from dead reckoning.
     #[inline(never)]
     fn judge_reckoning(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
         // A stretch that began with a wild reading would be off for good.

@@ -19,8 +19,8 @@ pub struct SharedDeparture {
     /// What its newest part was compared with, m.
     limit: f64,
     since: Timestamp,
-    /// Whether both have jumped as no rod does. Else it may be the cylinder that does not do what its valve says, until a
-    /// process detector explains it.
+    /// Whether both have jumped, as no rod does. Otherwise the cylinder may not follow its valve, which a process detector may
+    /// explain.
     is_jump: bool,
 }
 
@@ -96,9 +96,11 @@ impl Cylinder {
             });
         }
         let Some(jump) = confirmed else { return };
+        let lasted = f64::from(limits.confirm) * self.design.bank.sample_time;
+        let since = at.after(Span::from_seconds(-lasted));
         last.shared = match (last.shared, last.jump) {
             (None, Some((off, limit))) => {
-                Some(SharedDeparture { off, limit, since: at, is_jump: true })
+                Some(SharedDeparture { off, limit, since, is_jump: true })
             }
             (Some(shared), Some((off, limit))) => shared.and(off, limit),
             // Back by as much, where the way is not known just then.
