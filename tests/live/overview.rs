@@ -61,10 +61,25 @@ fn the_overview_says_that_a_machine_is_not_calibrated() {
     assert!(status == "degraded" && reason.starts_with("a warning of level "), "{reason}");
 }
 
+/// What the overview says of a transducer of cylinder 1, and its lamp for all who read numbers.
+fn told(bench: &Bench, which: usize) -> (String, Lamp) {
+    let overview = json(&bench.ask("/api/overview"));
+    let state = &overview["cylinders"][0]["transducers"][which];
+    let telemetry = bench.witness.recorder.telemetry();
+    let lamp = telemetry.snapshot(bench.hands.uptime()).cylinders[0].lamps[which];
+    assert_eq!(state["lamp"], serde_json::json!(lamp), "{overview}");
+    (state["words"].as_str().expect("words").to_owned(), lamp)
+}
+
+fn good() -> (String, Lamp) {
+    ("good".to_owned(), Lamp::Good)
+}
+
+const C1_OF_1: u32 = 0x181;
+
 /// Their last byte is the counter. Whole frames beside them are judged, and still something sends the short ones.
 #[test]
 fn frames_that_lack_what_is_configured_are_to_be_checked_and_never_good() {
-    const C1_OF_1: u32 = 0x181;
     let cut = |frame: &Frame| Frame::new(frame.timestamp, frame.id, frame.kind, &frame.data()[..5]);
     for has_whole_ones in [false, true] {
         let mut bench = Bench::new();
@@ -79,14 +94,6 @@ fn frames_that_lack_what_is_configured_are_to_be_checked_and_never_good() {
             let of = |k| Cycle::new(k).frames().into_iter().flat_map(move |it| sent(k, it));
             cycles.flat_map(of).collect()
         };
-        let told = |bench: &Bench, which: usize| {
-            let overview = json(&bench.ask("/api/overview"));
-            let state = &overview["cylinders"][0]["transducers"][which];
-            let telemetry = bench.witness.recorder.telemetry();
-            let number = telemetry.snapshot(bench.hands.uptime()).cylinders[0].lamps[which];
-            (state["words"].as_str().expect("words").to_owned(), number)
-        };
-        let good = || ("good".to_owned(), Lamp::Good);
         bench.run(&frames(0..100), DELAY);
         assert_eq!(told(&bench, 0), good());
         bench.run(&frames(100..200), DELAY);
@@ -96,4 +103,30 @@ fn frames_that_lack_what_is_configured_are_to_be_checked_and_never_good() {
         bench.run(&frames(200..400), DELAY);
         assert_eq!(told(&bench, 0), good(), "{has_whole_ones}");
     }
+}
+
+/// Its readings are judged by their times, and still nothing proves that they are new.
+#[test]
+fn a_counter_that_does_not_count_is_to_be_checked_and_never_good() {
+    let mut bench = Bench::new();
+    bench.witness.recorder.opened();
+    let frames = |cycles: std::ops::Range<i64>| -> Vec<Frame> {
+        let sent = |k: i64, frame: Frame| {
+            let mut data = frame.data().to_vec();
+            if frame.id.value() == C1_OF_1 && (100..300).contains(&k) {
+                data[5] = ((k * k * k * 7_919) >> 7) as u8;
+            }
+            Frame::new(frame.timestamp, frame.id, frame.kind, &data)
+        };
+        let of = |k| Cycle::new(k).frames().into_iter().map(move |frame| sent(k, frame));
+        cycles.flat_map(of).collect()
+    };
+    bench.run(&frames(0..100), DELAY);
+    assert_eq!(told(&bench, 0), good());
+    bench.run(&frames(100..300), DELAY);
+    let words = "check function: the alive counter of its frames does not count".to_owned();
+    assert_eq!(told(&bench, 0), (words, Lamp::CheckFunction));
+    assert_eq!(told(&bench, 1), good());
+    bench.run(&frames(300..500), DELAY);
+    assert_eq!(told(&bench, 0), good());
 }

@@ -27,6 +27,7 @@ use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::bus::socket::{ControllerState, LinkState};
 use crate::config::MachineNames;
 use crate::incident::{QUANTITIES, Quantity};
+use crate::sample::dispute::Doubt;
 use crate::time::Timestamp;
 use cell::{Gauge, Histogram, State, Total};
 use clock::Clock;
@@ -76,8 +77,8 @@ struct Cylinder {
     transducers: [State; 2],
     /// Whether the device of C1 and of C2 said that it is not operational.
     idle: [AtomicBool; 2],
-    /// Whether frames of C1 and of C2 are too short for the configuration.
-    too_short: [AtomicBool; 2],
+    /// What frames of C1 and of C2 lack of their configuration ([`Doubt`]).
+    lacking: [State; 2],
     /// Estimated length and its standard deviation, m.
     estimate: Gauge,
     sigma: Gauge,
@@ -95,7 +96,7 @@ impl Cylinder {
             raised: Default::default(),
             transducers: Default::default(),
             idle: Default::default(),
-            too_short: Default::default(),
+            lacking: Default::default(),
             estimate: Gauge::default(),
             sigma: Gauge::default(),
             trend: Trend::default(),
@@ -109,8 +110,11 @@ impl Cylinder {
         if self.idle[which].load(Ordering::Relaxed) {
             return Some("its device is not operational");
         }
-        let is_short = self.too_short[which].load(Ordering::Relaxed);
-        is_short.then_some("its frames are too short for the configuration")
+        let lacks = |doubt: Doubt| self.lacking[which].get() == Some(doubt as u8);
+        if lacks(Doubt::TooShort) {
+            return Some("its frames are too short for the configuration");
+        }
+        lacks(Doubt::Uncounted).then_some("the alive counter of its frames does not count")
     }
 
     /// Absolute values of the quantities in the newest cycle, m.
@@ -335,15 +339,15 @@ impl Telemetry {
         self.lives(now) && self.since_frame(now).is_some_and(|time| time <= EVIDENCE)
     }
 
-    fn publish(&self, status: &Status, too_short: [[bool; 2]; MAX_CYLINDERS]) {
+    fn publish(&self, status: &Status, lacking: [[Option<Doubt>; 2]; MAX_CYLINDERS]) {
         for (cylinder, pair) in self.cylinders.iter().zip(&status.transducers) {
             for (transducer, health) in cylinder.transducers.iter().zip(pair) {
                 transducer.set(Some(*health as u8));
             }
         }
-        for (cylinder, pair) in self.cylinders.iter().zip(too_short) {
-            for (place, is_short) in cylinder.too_short.iter().zip(pair) {
-                place.store(is_short, Ordering::Relaxed);
+        for (cylinder, pair) in self.cylinders.iter().zip(lacking) {
+            for (place, doubt) in cylinder.lacking.iter().zip(pair) {
+                place.set(doubt.map(|it| it as u8));
             }
         }
         self.mode.set(Some(status.mode as u8));

@@ -199,7 +199,7 @@ impl Recorder {
             && self.status_at != Some(*at)
         {
             self.status_at = Some(*at);
-            telemetry.publish(status, monitor.too_short());
+            telemetry.publish(status, monitor.lacking());
         }
     }
 

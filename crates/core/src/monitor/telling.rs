@@ -8,6 +8,7 @@ use crate::alarm::own::Sending;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::alarm::{OwnFrame, OwnMessage, State};
 use crate::sample::Transducer;
+use crate::sample::dispute::Doubt;
 use crate::time::{Span, Timestamp};
 
 /// Period of Fd_Status.
@@ -105,20 +106,22 @@ impl Monitor {
         self.encoder.status(at, &status)
     }
 
-    /// Whether frames of C1 and of C2 of each cylinder are too short for the configuration, now or within the last 50
-    /// cycles.
-    pub fn too_short(&self) -> [[bool; 2]; MAX_CYLINDERS] {
+    /// What frames of C1 and of C2 of each cylinder lack of their configuration, now or within the last 50 cycles: they are
+    /// too short, which comes first, or their alive counter does not count.
+    pub fn lacking(&self) -> [[Option<Doubt>; 2]; MAX_CYLINDERS] {
         let cycle = self.clock.number();
-        let pages = self.stations.iter().flat_map(|station| &station.pages);
-        let mut short = [[false; 2]; MAX_CYLINDERS];
-        for page in pages.filter(|page| page.slot.dispute.is_too_short(cycle)) {
+        let mut lacking = [[None; 2]; MAX_CYLINDERS];
+        for page in self.stations.iter().flat_map(|station| &station.pages) {
+            let Some(doubt) = page.slot.dispute.lacks(cycle) else { continue };
             for (bits, transducer) in page.transducers() {
-                for (index, pair) in short.iter_mut().enumerate() {
-                    pair[transducer as usize] |= bits >> index & 1 != 0;
+                let of = |(index, _): &(usize, _)| bits >> index & 1 != 0;
+                for (_, pair) in lacking.iter_mut().enumerate().filter(of) {
+                    let place: &mut Option<Doubt> = &mut pair[transducer as usize];
+                    *place = place.filter(|it| *it == Doubt::TooShort).or(Some(doubt));
                 }
             }
         }
-        short
+        lacking
     }
 
     /// The state of the whole monitor at `at`.

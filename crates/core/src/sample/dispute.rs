@@ -85,9 +85,10 @@ impl Dispute {
         cycle < self.until[Doubt::Contradiction as usize]
     }
 
-    /// Whether frames were too short for the configuration in `cycle` or shortly before.
-    pub const fn is_too_short(&self, cycle: u64) -> bool {
-        cycle < self.until[Doubt::TooShort as usize]
+    /// What frames lacked of their configuration in `cycle` or shortly before; a length comes before a count.
+    pub fn lacks(&self, cycle: u64) -> Option<Doubt> {
+        let is_lacking = |doubt: &Doubt| cycle < self.until[*doubt as usize];
+        [Doubt::TooShort, Doubt::Uncounted].into_iter().find(is_lacking)
     }
 
     /// Takes a reason for doubt in `cycle`.
@@ -168,7 +169,7 @@ mod tests {
         dispute.doubt(Doubt::TooShort, 80);
         assert!(dispute.is_open(80) && !dispute.is_unknown(80), "whole frames are what they are");
         assert_eq!(dispute.take_news(80), Some((Doubt::TooShort, false)));
-        assert!(dispute.is_too_short(129) && !dispute.is_too_short(130));
+        assert_eq!([129, 130].map(|cycle| dispute.lacks(cycle)), [Some(Doubt::TooShort), None]);
     }
 
     #[test]
@@ -179,6 +180,9 @@ mod tests {
         dispute.note_uncounted(149);
         assert_eq!(dispute.take_news(149), Some((Doubt::Uncounted, false)));
         assert!(!dispute.is_unknown(149), "its time says of which cycle it is");
+        assert_eq!([198, 199].map(|cycle| dispute.lacks(cycle)), [Some(Doubt::Uncounted), None]);
+        dispute.doubt(Doubt::TooShort, 150);
+        assert_eq!(dispute.lacks(198), Some(Doubt::TooShort), "what is left out comes first");
         // A sender that starts anew now and then.
         let mut dispute = Dispute::NONE;
         for cycle in (0..10_000).filter(|cycle| cycle % 100 < 16) {

@@ -119,7 +119,7 @@ const CATEGORIES = [
   ["good", "good: judged, and nothing found"],
   ["failure", "failure: a warning blames it"],
   ["out_of_specification", "out of specification: it may be this one"],
-  ["check_function", "check function: its device is not operational, or its frames are too short"],
+  ["check_function", "check function: its device is not operational, or its frames lack what is configured"],
   ["maintenance_required", "maintenance required: it drifts"],
   ["not_fitted", "not fitted: this cylinder does not have it"],
   ["unknown", "unknown: no evidence, neither good nor bad"],

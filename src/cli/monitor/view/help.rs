@@ -23,7 +23,7 @@ const LAMPS: [(Lamp, &str); 7] = [
     (Lamp::Good, "judged, and nothing found"),
     (Lamp::Failure, "a warning blames it"),
     (Lamp::OutOfSpecification, "it may be this one or the other"),
-    (Lamp::CheckFunction, "its device is not operational, or its frames are too short"),
+    (Lamp::CheckFunction, "its device is not operational, or its frames lack what is configured"),
     (Lamp::MaintenanceRequired, "its readings on the stops drift"),
     (Lamp::NotFitted, "this cylinder does not have it"),
     (Lamp::Unknown, "no evidence, neither good nor bad"),
