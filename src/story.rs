@@ -6,7 +6,7 @@ mod doubt;
 mod evidence;
 mod machine;
 
-pub use doubt::doubt;
+pub use doubt::{doubt, unnamed_status};
 pub use evidence::evidence;
 pub use machine::{in_common, numbers, of_machine};
 

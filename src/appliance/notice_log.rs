@@ -42,6 +42,11 @@ pub(super) fn write(notice: &Notice, names: &MachineNames) {
         Notice::Timing { apart: None, .. } => {
             info!("C1 and C2 are sampled as they were calibrated again");
         }
+        Notice::UnnamedStatus { cylinder, transducer, bits, .. } => {
+            let (name, what) = (names.of_cylinder(cylinder), story::unnamed_status(bits));
+            let transducer = names.transducer(cylinder, transducer);
+            warn!(cylinder, name, transducer, "{what}");
+        }
         Notice::Device { cylinder, role, node, news, .. } => {
             let what = story::news(news);
             let (device, name) = (role.name(), names.of_cylinder(cylinder));

@@ -1,9 +1,9 @@
-//! Frames of a recording that cannot be relied on.
+//! What of a recording cannot be relied on, though it is no fault of a transducer.
 
 use super::wording::counted;
 use crate::monitor::Counts;
 
-/// That frames contradict each other, and that frames are too short, where they do and are.
+/// That frames contradict each other, that frames are too short, and that a status has no meaning, where they do, are and has.
 pub fn remarks(counts: &Counts) -> impl Iterator<Item = String> {
     let said = |count: u64, what: &str| {
         let frames = counted(count, "frame");
@@ -17,5 +17,12 @@ pub fn remarks(counts: &Counts) -> impl Iterator<Item = String> {
     let twins = "with the same count as another one and another payload, so a second device sends them, too";
     let short =
         "too short for the signals that are configured, so their sender is not the one of the DBC";
-    [said(counts.contradicting, twins), said(counts.short, short)].into_iter().flatten()
+    let unnamed = (counts.unnamed_status_bits > 0).then(|| {
+        let bits = counted(counts.unnamed_status_bits, "bit");
+        format!(
+            "the status signals: {bits} that `plausibility.status_mask` does not have, so readings with them were judged as \
+             without: the notices below say which. Add to the mask what means a broken wire"
+        )
+    });
+    [said(counts.contradicting, twins), said(counts.short, short), unnamed].into_iter().flatten()
 }

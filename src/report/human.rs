@@ -115,6 +115,11 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         (counts.sync_doubted, "second", "in which Sync was missing or too frequent"),
         (counts.held, "frame", "that came before the cycle (kept for it)"),
         (counts.bad_signals, "value", "beyond the end of the frame, or not a number"),
+        (
+            counts.unnamed_status_bits,
+            "bit",
+            "of status signals that the configuration gives no meaning",
+        ),
         (counts.backwards, "frame", "with a time stamp earlier than the previous one"),
         (counts.time_jumps, "jump", "of the time stamps (everything restarted)"),
         (counts.interruptions, "interruption", "of the bus (everything restarted)"),

@@ -4,6 +4,7 @@ use super::device::EmergencyFields;
 use super::jsonl::{digits, restart_name};
 use crate::frame::BusNumber;
 use crate::monitor::Notice;
+use crate::sample::DeviceRole;
 use crate::sample::device::DeviceNews;
 use crate::sample::dispute::Doubt;
 use crate::time::{Span, Timestamp};
@@ -42,6 +43,9 @@ pub(super) struct NoticeFields {
     pub(super) node: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) state: Option<&'static str>,
+    /// Bits of a status that have no meaning in the configuration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) status: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none", flatten)]
     pub(super) emergency: Option<EmergencyFields>,
 }
@@ -86,6 +90,12 @@ impl From<&Notice> for NoticeFields {
                 Self { skew: Some(apart.mean), jitter: Some(apart.spread), ..of(at, "timing") }
             }
             Notice::Timing { at, apart: None } => of(at, "timing_restored"),
+            Notice::UnnamedStatus { at, cylinder, transducer, bits } => Self {
+                cylinder: Some(cylinder),
+                device: Some(DeviceRole::ALL[transducer as usize].name()),
+                status: Some(format!("0x{bits:X}")),
+                ..of(at, "unnamed_status")
+            },
             Notice::Device { at, cylinder, role, node, news } => {
                 let (name, state, emergency) = match news {
                     DeviceNews::State(state) => ("device_state", Some(state.name()), None),

@@ -262,6 +262,11 @@ pub fn notice(first: Timestamp, notice: &Notice, names: &MachineNames) -> [Strin
         Notice::Timing { at, apart: None } => {
             (at, "timing: C1 and C2 are sampled as they were calibrated again".to_owned())
         }
+        Notice::UnnamedStatus { at, cylinder, transducer, bits } => {
+            let (whose, what) =
+                (names.transducer(cylinder, transducer), story::unnamed_status(bits));
+            (at, format!("{}, {whose}: {what}", names.cylinder(cylinder)))
+        }
         Notice::Device { at, cylinder, role, node, news } => {
             let what = story::news(news);
             let cylinder = names.cylinder(cylinder);

@@ -3,6 +3,14 @@
 use crate::frame::Id;
 use crate::sample::dispute::Doubt;
 
+/// That these bits of a status have no meaning in the configuration.
+pub fn unnamed_status(bits: u64) -> String {
+    format!(
+        "the status has 0x{bits:X}, which `plausibility.status_mask` does not have, so it is taken for no fault; look up what it \
+         means, and add it to the mask if it means a broken wire"
+    )
+}
+
 /// What is wrong with the frames of a message, or is no longer.
 pub fn doubt(id: Id, doubt: Doubt, is_over: bool) -> String {
     match (doubt, is_over) {

@@ -62,6 +62,50 @@ fn frames_that_cannot_be_relied_on_are_told_first() {
     assert!(!run.lines().iter().any(|it| blamed(it) && it["suspect"] == "c1"));
 }
 
+/// Bits 2 and 5 of the status of C1 of cylinder 3 come and go; the mask has bits 0 and 1.
+#[test]
+fn a_status_that_nothing_is_known_of_is_told_and_changes_no_verdict() {
+    let scratch = Scratch::new();
+    let sound = excerpt();
+    let mut before = 0;
+    let log: String = sound
+        .lines()
+        .map(|line| match line.split_once(" 183#") {
+            Some((stamp, data)) => {
+                before += 1;
+                let status = ["00", "04", "24"][before / 50 % 3];
+                format!("{stamp} 183#{}{status}{}\n", &data[..8], &data[10..])
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let odd = scratch.write("odd.log", log);
+    let text = tertius(&["replay", &odd, "--config", E_TYPE], b"").ok().stdout;
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = [
+        "Look at the status signals: 2 bits that `plausibility.status_mask` does not have",
+        "cylinder 3, C1: the status has 0x4, which",
+        "cylinder 3, C1: the status has 0x20, which",
+    ];
+    words.into_iter().for_each(|it| assert!(text.contains(it), "{it:?} is not in\n{text}"));
+    let run = replay(&[&odd], E_TYPE, &[]).ok();
+    let is_told = |it: &&Value| it["notice"] == "unnamed_status";
+    let told: Vec<[Value; 3]> = run
+        .lines()
+        .iter()
+        .filter(is_told)
+        .map(|it| ["cylinder", "device", "status"].map(|key| it[key].clone()))
+        .collect();
+    let of = |bits: &str| [Value::from(3), "c1".into(), bits.into()];
+    assert_eq!(told, [of("0x4"), of("0x20")]);
+    assert_eq!(run.summary()["unnamed_status_bits"], 2);
+    let expected = replay(&[&scratch.write("sound.log", sound)], E_TYPE, &[]).ok();
+    let warnings = |run: &Run| -> Vec<Value> {
+        run.lines().into_iter().filter(|line| line["type"] == "warning").collect()
+    };
+    assert_eq!(warnings(&run), warnings(&expected));
+}
+
 fn bad_lines() -> [Vec<u8>; 14] {
     [
         b"no candump line at all".to_vec(),

@@ -2,6 +2,7 @@
 
 use tertius::frame::{Frame, Id, Kind};
 use tertius::monitor::Notice;
+use tertius::sample::Transducer;
 use tertius::sample::dispute::Doubt;
 use tertius::time::Span;
 use tertius_testing::machine::{Collected, Cycle, monitor};
@@ -11,6 +12,7 @@ const C1_OF_1: u32 = 0x181;
 /// States in Fd_Status.
 const UNKNOWN: u64 = 0;
 const HEALTHY: u64 = 1;
+const FAULTY: u64 = 3;
 
 /// The frames of so many cycles, in which each frame of C1 of cylinder 1 becomes what `attack` makes of it.
 fn attacked(
@@ -154,8 +156,7 @@ fn a_step_of_the_other_transducer_is_its_own() {
             }
         }
     }
-    let faulty = 3;
-    assert_eq!(seen.status().transducers()[..2], [UNKNOWN, faulty], "{:?}", seen.warnings);
+    assert_eq!(seen.status().transducers()[..2], [UNKNOWN, FAULTY], "{:?}", seen.warnings);
 }
 
 /// What the monitor makes of a healthy minute of cycles with these Syncs, µs after each cycle's begin.
@@ -256,4 +257,38 @@ fn a_counter_that_does_not_count_is_told() {
     // A sender that starts anew counts on.
     let (_, seen) = attacked(100..400, |k, frame| counted(frame, k - k / 130 * 100));
     assert_eq!(told(&seen), []);
+}
+
+/// The mask has bits 0 and 1. Others are no fault, are told once, and hide none that is one.
+#[test]
+fn a_status_without_a_meaning_is_told_once_and_is_no_fault() {
+    let status = |k: i64| match k {
+        100..130 => 0x04,
+        130..160 => 0x24,
+        _ => 0x00,
+    };
+    let (mut monitor, mut seen) =
+        attacked(100..200, |k, frame| vec![copy(frame, 0, |data| data[4] = status(k))]);
+    let unnamed = |seen: &Collected| -> Vec<(u8, Transducer, u64)> {
+        let of = |notice: &Notice| match *notice {
+            Notice::UnnamedStatus { cylinder, transducer, bits, .. } => {
+                Some((cylinder, transducer, bits))
+            }
+            _ => None,
+        };
+        seen.notices.iter().filter_map(of).collect()
+    };
+    assert_eq!(unnamed(&seen), [(1, Transducer::C1, 0x04), (1, Transducer::C1, 0x20)]);
+    assert_eq!(monitor.counts().unnamed_status_bits, 2);
+    assert_eq!(seen.status().transducers(), [HEALTHY; 12]);
+    assert!(seen.warnings.is_empty(), "{:?}", seen.warnings);
+    for k in 200..260 {
+        for frame in Cycle::new(k).frames() {
+            let is_attacked = frame.id.value() == C1_OF_1;
+            let broken = || copy(&frame, 0, |data| data[4] = 0x24 | 1);
+            monitor.take(&if is_attacked { broken() } else { frame.clone() }, &mut seen);
+        }
+    }
+    assert_eq!(seen.status().transducers()[0], FAULTY, "a broken wire is one beside them");
+    assert_eq!(monitor.counts().unnamed_status_bits, 2);
 }

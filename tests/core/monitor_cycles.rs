@@ -387,6 +387,7 @@ fn told_at(notice: &Notice) -> Timestamp {
         | Notice::Doubt { at, .. }
         | Notice::Restart { at, .. }
         | Notice::Timing { at, .. }
+        | Notice::UnnamedStatus { at, .. }
         | Notice::Device { at, .. } => at,
     }
 }

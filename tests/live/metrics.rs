@@ -80,6 +80,7 @@ fn the_figures_are_what_the_monitor_counted() {
         ("frames_imitated", 0),
         ("frames_held", counts.held),
         ("signals_bad", counts.bad_signals),
+        ("status_unnamed", counts.unnamed_status_bits),
         ("frames_backwards", counts.backwards),
         ("time_jumps", counts.time_jumps),
         ("turns", port.received),

@@ -48,7 +48,7 @@ impl Rows<'_> {
                 )?;
             }
             Note::Notice(notice) => {
-                if let Some(event) = event_of(notice) {
+                if let Some(event) = event_of(notice, &self.names) {
                     self.event(&event)?;
                 }
             }
@@ -224,7 +224,7 @@ impl Rows<'_> {
 }
 
 /// What a notice says that is worth keeping for years.
-fn event_of(notice: &Notice) -> Option<Event> {
+fn event_of(notice: &Notice, names: &MachineNames) -> Option<Event> {
     let (kind, at, cylinder, text) = match notice {
         Notice::TimeJump { at, by } => {
             let text = format!("time stamps jumped by {:+.3} s", by.as_seconds());
@@ -237,6 +237,11 @@ fn event_of(notice: &Notice) -> Option<Event> {
         Notice::Device { at, cylinder, role, node, news } => {
             let text = format!("node {node} ({}) {}", role.label(), story::news(*news));
             (EventKind::Device, *at, Some(*cylinder), text)
+        }
+        Notice::UnnamedStatus { at, cylinder, transducer, bits } => {
+            let whose = names.transducer(*cylinder, *transducer);
+            let text = format!("{whose}: {}", story::unnamed_status(*bits));
+            (EventKind::Doubt, *at, Some(*cylinder), text)
         }
         Notice::Doubt { at, id, doubt, is_over, .. } => {
             (EventKind::Doubt, *at, None, story::doubt(*id, *doubt, *is_over))

@@ -34,6 +34,7 @@ pub(super) struct Totals {
     pub imitated: Total,
     pub held: Total,
     pub bad_signals: Total,
+    pub unnamed_status_bits: Total,
     pub backwards: Total,
     pub time_jumps: Total,
     pub turns: Total,
@@ -96,6 +97,7 @@ impl Totals {
         self.sync_doubted.follow(last.sync_doubted, now.sync_doubted);
         self.held.follow(last.held, now.held);
         self.bad_signals.follow(last.bad_signals, now.bad_signals);
+        self.unnamed_status_bits.follow(last.unnamed_status_bits, now.unnamed_status_bits);
         self.backwards.follow(last.backwards, now.backwards);
         self.time_jumps.follow(last.time_jumps, now.time_jumps);
     }
@@ -106,7 +108,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 43] {
+    pub fn described(&self) -> [Described<'_>; 44] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -134,6 +136,8 @@ impl Totals {
             ("frames_held", "Frames that came before their cycle opened, and were kept for it.", &self.held),
             ("signals_bad", "Signals for which the frame was too short, or that are not a finite \
                 number.", &self.bad_signals),
+            ("status_unnamed", "Bits of status signals that were set without a meaning in the configuration, each of a \
+                transducer counted once.", &self.unnamed_status_bits),
             ("frames_backwards", "Frames with a time stamp earlier than that of the previous \
                 one.", &self.backwards),
             ("time_jumps", "Jumps in time, after which everything restarted.", &self.time_jumps),

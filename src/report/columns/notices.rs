@@ -49,6 +49,7 @@ impl TableRow for NoticeRow {
         "device", "", Text, "c1, c2, valve", |it| word(it.fields.device?);
         "node", "", Count, "CANopen node that said it", |it| it.fields.node.map(Into::into);
         "state", "", Text, "which state it is in now", |it| word(it.fields.state?);
+        "status", "", Text, "bits of a status that have no meaning in the configuration", |it| it.fields.status.clone().map(Into::into);
         "code", "", Text, "error code of an emergency", |it| it.fields.emergency.as_ref().map(|it| it.code.clone().into());
         "words", "", Text, "the code in words", |it| word(it.fields.emergency.as_ref()?.words);
         "register", "", Text, "error register", |it| it.fields.emergency.as_ref().map(|it| it.register.clone().into());
@@ -69,10 +70,10 @@ mod tests {
     use crate::observe::observer::Restart;
     use crate::report::columns::column;
     use crate::report::jsonl;
-    use crate::sample::DeviceRole;
     use crate::sample::device::{DeviceNews, DeviceState};
     use crate::sample::dispute::Doubt;
     use crate::sample::emergency::Emergency;
+    use crate::sample::{DeviceRole, Transducer};
     use crate::sequential::Apart;
     use serde_json::{Map, Value};
 
@@ -96,6 +97,7 @@ mod tests {
             Notice::Restart { at, cylinder: 3, detector: Detector::Fde2, reason },
             Notice::Timing { at, apart: Some(apart) },
             Notice::Timing { at, apart: None },
+            Notice::UnnamedStatus { at, cylinder: 1, transducer: Transducer::C2, bits: 1 << 63 },
             device(DeviceRole::C1, DeviceNews::State(DeviceState::Stopped)),
             device(DeviceRole::Valve, DeviceNews::Network(emergency)),
         ]

@@ -102,6 +102,7 @@ impl TableRow for SummaryRow {
         "sync_doubted_seconds", "s", Count, "in which Sync was missing or too frequent", |it| count(it.counts.sync_doubted);
         "held_frames", "", Count, "before their cycle, and kept", |it| count(it.counts.held);
         "bad_signals", "", Count, "signals that are no finite number", |it| count(it.counts.bad_signals);
+        "unnamed_status_bits", "", Count, "of status signals, without a meaning in the configuration", |it| count(it.counts.unnamed_status_bits);
         "backwards", "", Count, "frames with an earlier time stamp", |it| count(it.counts.backwards);
         "time_jumps", "", Count, "jumps of the clock", |it| count(it.counts.time_jumps);
         "interruptions", "", Count, "losses of the bus", |it| count(it.counts.interruptions);

@@ -184,6 +184,7 @@ impl PageRecorder {
             | Notice::Doubt { .. }
             | Notice::Restart { .. }
             | Notice::Timing { .. }
+            | Notice::UnnamedStatus { .. }
             | Notice::Device { .. } => {}
         }
     }

@@ -32,6 +32,8 @@ pub struct Counts {
     pub held: u64,
     /// Signals for which the frame was too short, or whose value is not a finite number.
     pub bad_signals: u64,
+    /// Bits of status signals that were set without a meaning in the configuration, each of a transducer counted once.
+    pub unnamed_status_bits: u64,
     /// Frames with a time stamp earlier than that of the previous frame.
     pub backwards: u64,
     /// Jumps in time, after which everything restarted.
@@ -43,6 +45,6 @@ pub struct Counts {
 whole! {
     Counts {
         used, ignored, errors, cycles, incomplete, missing, late, repeated, contradicting, short, sync_doubted, held,
-        bad_signals, backwards, time_jumps, interruptions,
+        bad_signals, unnamed_status_bits, backwards, time_jumps, interruptions,
     }
 }

@@ -347,6 +347,9 @@ impl Monitor {
         }
         cylinder.inputs.clear();
         self.tell_devices(index, at, sink);
+        if self.cylinders[index].has_unnamed() {
+            self.tell_status(index, at, sink);
+        }
         if let Some(dwell) = self.cylinders[index].take_dwell() {
             sink.dwell(number, &dwell);
             self.judge_stops(at);

@@ -7,7 +7,7 @@ use crate::incident::Incident;
 use crate::observe::observer::Restart;
 use crate::sample::device::DeviceNews;
 use crate::sample::dispute::Doubt;
-use crate::sample::{DeviceRole, Quality};
+use crate::sample::{DeviceRole, Quality, Transducer};
 use crate::sequential::{Apart, Dwell};
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
@@ -73,6 +73,9 @@ pub enum Notice {
     /// In most cylinders, C1 and C2 are sampled further apart in time than when they were
     /// calibrated; no transducer is at fault. `None`: as calibrated again.
     Timing { at: Timestamp, apart: Option<Apart> },
+    /// A status of a transducer has bits, never set before, to which the configuration gives no meaning. Its readings are judged
+    /// as without them.
+    UnnamedStatus { at: Timestamp, cylinder: u8, transducer: Transducer, bits: u64 },
     /// A CANopen device said something of itself or of the network that is no fault of its readings.
     Device { at: Timestamp, cylinder: u8, role: DeviceRole, node: u8, news: DeviceNews },
 }

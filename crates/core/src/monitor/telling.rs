@@ -106,6 +106,16 @@ impl Monitor {
         self.encoder.status(at, &status)
     }
 
+    /// Tells of bits that the status of a transducer of the cylinder of `index` has, and that mean nothing here.
+    #[cold]
+    pub(super) fn tell_status(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        let cylinder = index as u8 + 1;
+        for (transducer, bits) in self.cylinders[index].take_unnamed() {
+            self.counts.unnamed_status_bits += u64::from(bits.count_ones());
+            sink.notice(&Notice::UnnamedStatus { at, cylinder, transducer, bits });
+        }
+    }
+
     /// What frames of C1 and of C2 of each cylinder lack of their configuration, now or within the last 50 cycles: they are
     /// too short, which comes first, or their alive counter does not count.
     pub fn lacking(&self) -> [[Option<Doubt>; 2]; MAX_CYLINDERS] {

@@ -3,6 +3,7 @@
 
 mod drive;
 mod stillness;
+mod unnamed;
 
 use super::device::DeviceWord;
 use super::motion::ReadingMotion;
@@ -12,6 +13,7 @@ use crate::state::{choice, state, whole};
 use alloc::vec::Vec;
 use drive::CommandWay;
 use stillness::Stillness;
+use unnamed::UnnamedBits;
 
 /// Limits of plausible readings.
 #[derive(Clone, Debug)]
@@ -131,11 +133,13 @@ pub struct Plausibility {
     held: Stillness,
     drive: CommandWay,
     quality: Quality,
+    pub unnamed: UnnamedBits,
 }
 
 state! {
-    Plausibility { absence, last, beside, still, held, drive, quality }
+    Plausibility { absence, last, beside, still, held, drive, quality, unnamed }
     but { limits, broken_wire }
+    sound |it| it.unnamed.are_beside(it.limits.status_mask)
 }
 
 impl Plausibility {
@@ -152,6 +156,7 @@ impl Plausibility {
             held: Stillness::default(),
             drive: CommandWay::default(),
             quality: Quality::default(),
+            unnamed: UnnamedBits::default(),
         }
     }
 
@@ -177,7 +182,9 @@ impl Plausibility {
     pub fn take_plain(&mut self, reading: Option<&Reading>, beside: Option<f64>) -> bool {
         let Some(reading) = reading else { return false };
         let changes = self.last != Some(reading.position);
-        let is_plain = changes && self.beyond_limits(reading).is_none();
+        // Nearly every status has only bits that it had before, none of which means a broken wire.
+        let is_odd = reading.status.is_some_and(|it| self.unnamed.lack(it));
+        let is_plain = changes && self.beyond_limits(reading, is_odd).is_none();
         if is_plain {
             (self.last, self.beside) = (Some(reading.position), beside);
             (self.absence, self.quality) = (Absence::default(), Quality::Good);
@@ -201,6 +208,8 @@ impl Plausibility {
             None => self.without_reading(moment.live),
             Some(reading) => {
                 self.absence = Absence::default();
+                let status = reading.status.unwrap_or_default();
+                self.unnamed.note(status, self.limits.status_mask);
                 self.follow(reading.position, moment);
                 self.of_new(reading)
             }
@@ -346,24 +355,24 @@ impl Plausibility {
 
     fn of_new(&self, reading: &Reading) -> Quality {
         let of_rest = if self.is_frozen() { Quality::Frozen } else { Quality::Good };
-        self.beyond_limits(reading).unwrap_or(of_rest)
+        let is_broken = reading.status.is_some_and(|it| it & self.limits.status_mask != 0);
+        self.beyond_limits(reading, is_broken).unwrap_or(of_rest)
     }
 
-    /// What is wrong with a reading by itself, if anything.
+    /// What is wrong with a reading by itself, if anything; `is_broken` by its status.
     #[inline(always)]
-    fn beyond_limits(&self, reading: &Reading) -> Option<Quality> {
+    fn beyond_limits(&self, reading: &Reading, is_broken: bool) -> Option<Quality> {
         let limits = &self.limits;
         let broken_code = reading.code.is_some_and(|code| {
             let (lowest, highest) = self.broken_wire;
             (lowest..=highest).contains(&code) && limits.broken_wire_codes.contains(&code)
         });
-        let broken_status = reading.status.is_some_and(|s| s & limits.status_mask != 0);
         let code_in_range = reading
             .code
             .zip(limits.codes)
             .is_none_or(|(code, (lowest, highest))| (lowest..=highest).contains(&code));
         let (lowest, highest) = limits.lengths;
-        if broken_code || broken_status {
+        if broken_code || is_broken {
             Some(Quality::BrokenWire)
         } else if !code_in_range || !(lowest..=highest).contains(&reading.position) {
             Some(Quality::OutOfRange)

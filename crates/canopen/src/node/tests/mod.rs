@@ -18,6 +18,7 @@ const COUNTS: Counts = Counts {
     short: 15,
     held: 9,
     bad_signals: 10,
+    unnamed_status_bits: 0,
     backwards: 11,
     time_jumps: 12,
     interruptions: 13,

@@ -5,7 +5,7 @@ use crate::monitor::gate::Opening;
 use crate::monitor::implausible::Checked;
 use crate::sample::device::DeviceWord;
 use crate::sample::plausibility::{Moment, Other, Push};
-use crate::sample::{Quality, Reading};
+use crate::sample::{Quality, Reading, Transducer};
 use crate::sequential::Sequential;
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
@@ -34,6 +34,18 @@ impl Cylinder {
         }
         let is_good = self.judge_plausibility(i, is_plain, readings, now).is_good();
         (is_good, !is_good || self.implausible[i].raised())
+    }
+
+    /// Whether there is anything that [`Self::take_unnamed`] returns.
+    #[inline]
+    pub const fn has_unnamed(&self) -> bool {
+        self.plausibility[0].unnamed.has_news() || self.plausibility[1].unnamed.has_news()
+    }
+
+    /// Bits of a status that were never set before, and to which the configuration gives no meaning.
+    pub fn take_unnamed(&mut self) -> impl Iterator<Item = (Transducer, u64)> {
+        let news = TRANSDUCERS.into_iter().zip(&mut self.plausibility);
+        news.filter_map(|(transducer, it)| Some((transducer, it.unnamed.take_news()?)))
     }
 
     /// Judges what is no plain reading, or was none.

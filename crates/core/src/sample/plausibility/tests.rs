@@ -61,6 +61,29 @@ fn a_status_bit_outside_the_mask_is_no_fault() {
 }
 
 #[test]
+fn a_status_bit_without_a_meaning_is_told_once() {
+    let mut checks = Plausibility::new(limits());
+    for (position, status, told) in [
+        (0.1, 0b0000, None),
+        (0.2, 0b0110, Some(0b0110)),
+        (0.3, 0b0110, None),
+        (0.4, 0b0000, None),
+        (0.5, 0b0100, None),
+        (0.6, 0b1101, Some(0b1000)),
+        (0.7, 0b1111, None),
+    ] {
+        let reading = Reading { status: Some(status), ..reading(position) };
+        let is_broken = status & 1 != 0;
+        let is_plain = checks.take_plain(Some(&reading), None);
+        assert_eq!(is_plain, !is_broken && told.is_none(), "{status:#b}: each of them only once");
+        let quality = if is_plain { Quality::Good } else { checks.judge(Some(&reading), STILL) };
+        assert_eq!(quality == Quality::BrokenWire, is_broken, "{status:#b}");
+        assert_eq!(checks.unnamed.take_news(), told, "{status:#b}");
+        assert_eq!(checks.unnamed.take_news(), None, "{status:#b}");
+    }
+}
+
+#[test]
 fn frozen_needs_a_moving_command_and_ends_with_a_change() {
     let mut checks = Plausibility::new(limits());
     for _ in 0..50 {
@@ -297,7 +320,8 @@ fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted
 #[test]
 fn a_plain_reading_is_judged_as_any_other() {
     let broken = Reading { code: Some(32767), ..reading(0.2) };
-    let kinds = [Some(reading(0.1)), Some(reading(0.2)), Some(broken), None];
+    let unnamed = Reading { status: Some(0b10), ..reading(0.2) };
+    let kinds = [Some(reading(0.1)), Some(unnamed), Some(broken), None];
     let mut plain_ones = 0;
     for sequence in 0..4_usize.pow(7) {
         let mut fast = Plausibility::new(limits());
