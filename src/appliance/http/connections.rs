@@ -16,7 +16,7 @@ use std::io;
 use std::net::{IpAddr, Ipv6Addr};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock, PoisonError, RwLock};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
@@ -246,16 +246,29 @@ async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     if connection.is_stream() {
         _ = served.await;
     } else if connection.takes_long.load(Ordering::Relaxed) {
-        let long = async {
-            let mut before = connection.taken.load(Ordering::Relaxed);
-            while tokio::time::timeout(PIECE_LIMIT, served.as_mut()).await.is_err() {
-                let taken = connection.taken.load(Ordering::Relaxed);
-                if std::mem::replace(&mut before, taken) == taken {
-                    return;
-                }
+        let (mut pace, begin) = (Pace::default(), Instant::now());
+        let mut look = || pace.look(begin.elapsed(), connection.taken.load(Ordering::Relaxed));
+        while let Some(wait) = look() {
+            if tokio::time::timeout(wait, served.as_mut()).await.is_ok() {
+                return;
             }
-        };
-        _ = tokio::time::timeout(LONG_LIMIT, long).await;
+        }
+    }
+}
+
+/// The pace at which a client takes an answer that takes long.
+#[derive(Debug, Default)]
+struct Pace {
+    /// Pieces that it had taken at the last look.
+    taken: Option<u64>,
+}
+
+impl Pace {
+    /// How long it may go on before the next look, so long `since` its begin and with so many pieces `taken`; `None`: not at all.
+    fn look(&mut self, since: Duration, taken: u64) -> Option<Duration> {
+        let before = self.taken.replace(taken);
+        let left = LONG_LIMIT.saturating_sub(since);
+        (before != Some(taken) && !left.is_zero()).then(|| left.min(PIECE_LIMIT))
     }
 }
 
@@ -289,6 +302,25 @@ mod tests {
         }
         all.resize_with(CONNECTIONS, more);
         assert_eq!(gives_way(&all, newest), None, "a download stays");
+    }
+
+    /// How long a download goes on, s, of a client that has taken so many pieces at a time, s, after its begin.
+    fn downloading(taken: impl Fn(u64) -> u64) -> u64 {
+        let (mut pace, mut since) = (Pace::default(), Duration::ZERO);
+        while let Some(wait) = pace.look(since, taken(since.as_secs())) {
+            assert!(!wait.is_zero(), "it would look without end");
+            since += wait;
+        }
+        since.as_secs()
+    }
+
+    #[test]
+    fn a_download_ends_when_its_client_takes_less_than_a_piece_in_20_s() {
+        assert_eq!(downloading(|_| 0), 20, "who reads nothing");
+        assert_eq!(downloading(|since| since.min(99)), 120, "who stops after 99 s");
+        assert_eq!(downloading(|since| since / 21), 20, "a piece in 21 s is too little");
+        assert_eq!(downloading(|since| since / 20), 3600, "one in 20 s is enough for an hour");
+        assert_eq!(downloading(|since| 1000 * since), 3600, "and no more than that");
     }
 
     #[test]
