@@ -12,6 +12,7 @@ use crate::incident::Incident;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::PageRecorder;
+use crate::report::stamps::Wraps;
 use crate::report::{
     Episodes, EstimateRow, EstimateTable, Incidents, ResidualRow, ResidualTable, jsonl,
 };
@@ -36,6 +37,8 @@ pub struct Output {
     pub begin: Timestamp,
     /// Sum of the jumps of the time stamps, s.
     pub jumped: f64,
+    /// Those of them that a counter of time stamps made that began again.
+    pub wraps: Wraps,
     pub episodes: Episodes,
     pub incidents: Incidents,
     pub notices: Notices,
@@ -75,6 +78,7 @@ impl Output {
             first: Timestamp::default(),
             begin: Timestamp::default(),
             jumped: 0.0,
+            wraps: Wraps::default(),
             episodes: Episodes::default(),
             incidents: Incidents::default(),
             notices: Notices::default(),
@@ -232,6 +236,7 @@ impl Sink for Output {
         self.notices.take(notice);
         if let Notice::TimeJump { by, .. } = notice {
             self.jumped += by.as_seconds();
+            self.wraps.take(*by);
         }
         if let Some(recorder) = &mut self.recorder {
             recorder.notice(self.first, notice);

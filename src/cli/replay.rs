@@ -296,6 +296,7 @@ impl Replay {
             .cloned()
             .chain(alignment::remark(&episodes))
             .chain(doubtful::remarks(monitor.counts()))
+            .chain(output.wraps.remarks())
             .collect();
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
         let names = machine.loaded.settings.names();

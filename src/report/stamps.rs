@@ -14,6 +14,19 @@ const FRAMES: u64 = 50;
 /// Fewest jumps of the time stamps, and of which number of cycles one is a jump at the least, where a logger has written
 /// in pieces: a clock is not set that often, and no observer settles between the jumps.
 const JUMPS: [u64; 2] = [8, 100];
+/// Fewest where all of them go back, as frames that were written late do. Who sets a clock sets it forward, too.
+const BACK: u64 = 2;
+/// Most time from one frame to the next, where a counter of time stamps began again between them.
+const BETWEEN: Span = Span::from_nanos(100_000_000);
+/// Times after which counters begin again, ns, and whose they are.
+const WRAPS: [(i64, &str); 6] = [
+    (1 << 32, "a counter of 32 bits of ns"),
+    (60_000_000_000, "the counter of an SLCAN adapter"),
+    (65_536_000_000, "a counter of 16 bits of ms"),
+    ((1 << 32) * 1000, "a counter of 32 bits of µs"),
+    (86_400_000_000_000, "a time of day"),
+    ((1 << 32) * 1_000_000, "a counter of 32 bits of ms"),
+];
 
 /// The time of a recording.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +61,7 @@ pub fn unusable(
         ));
     }
     let [least, of_cycles] = JUMPS;
+    let least = if counts.backwards == counts.time_jumps { BACK } else { least };
     if counts.backwards >= least && counts.time_jumps >= least.max(counts.cycles / of_cycles) {
         return Some(format!(
             "the time stamps go back {}, as where a logger writes some frames later than others: put the frames in order, \
@@ -56,4 +70,33 @@ pub fn unusable(
         ));
     }
     None
+}
+
+/// Jumps of the time stamps that are those of a counter which began again, by `WRAPS`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wraps([u64; WRAPS.len()]);
+
+impl Wraps {
+    /// Takes a jump of the time stamps `by` so much.
+    pub fn take(&mut self, by: Span) {
+        let is = |(nanos, _): &(i64, &str)| {
+            (0..=BETWEEN.as_nanos()).contains(&by.as_nanos().saturating_add(*nanos))
+        };
+        if let Some(place) = WRAPS.iter().position(is) {
+            self.0[place] += 1;
+        }
+    }
+
+    /// What the counters were, where there are any.
+    pub fn remarks(&self) -> impl Iterator<Item = String> {
+        let counted = WRAPS.iter().zip(self.0).filter(|(_, count)| *count > 0);
+        counted.map(|((nanos, whose), count)| {
+            format!(
+                "the time stamps: {whose} began again {}, so that each time what follows is stamped {} s too early. The observers \
+                 settled anew, and nothing of it is a fault of the machine",
+                super::wording::times(count),
+                Span::from_nanos(*nanos).as_seconds(),
+            )
+        })
+    }
 }

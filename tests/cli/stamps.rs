@@ -1,6 +1,8 @@
 //! Time stamps that cannot be those of the frames.
 
-use tertius_testing::support::{HANGING_LOAD, Run, Scratch, recorded, replay, seconds, tertius};
+use tertius_testing::support::{
+    E_TYPE, HANGING_LOAD, Run, Scratch, between, recorded, replay, seconds, tertius,
+};
 
 /// Eight seconds of a hanging load.
 fn hanging_load() -> String {
@@ -67,7 +69,11 @@ fn frames_that_a_logger_wrote_late_are_told_with_what_puts_them_in_order() {
         of(0).chain(of(1)).collect::<Vec<&str>>()
     });
     let unsorted = scratch.write("unsorted.log", pieces.collect::<String>());
-    is_unjudged(&unsorted, &["the time stamps go back", "sort -s -k 1,1 all.log > sorted.log"]);
+    let told = &["the time stamps go back", "sort -s -k 1,1 all.log > sorted.log"];
+    is_unjudged(&unsorted, told);
+    // Two seconds of it, in which it happens four times.
+    let brief: String = scratch.read("unsorted.log").split_inclusive('\n').take(200).collect();
+    is_unjudged(&scratch.write("brief.log", brief), told);
     let converted = tertius(&["convert", &unsorted, &scratch.path("all.log")], b"").ok();
     let told = "the time stamps go back ";
     assert!(converted.stderr.contains(told), "{}", converted.stderr);
@@ -82,4 +88,39 @@ fn a_recording_in_which_no_observer_judged_is_not_judged() {
     let scratch = Scratch::new();
     let log: String = hanging_load().split_inclusive('\n').take(60).collect();
     is_unjudged(&scratch.write("short.log", log), &["too few for the observers to settle"]);
+}
+
+/// Each begins again in the middle: what follows is judged, nothing is said of the cylinder, and it is told what it was.
+#[test]
+fn counters_of_time_stamps_that_began_again_are_told_and_no_fault() {
+    let scratch = Scratch::new();
+    let log = between(&recorded("e-type-healthy.log.zst"), 160.0, 172.0);
+    let times: Vec<f64> = log.lines().map(seconds).collect();
+    let (first, middle) = (times[0], times[times.len() / 2]);
+    for (wrap, coarse, words) in [
+        (4294.967296, 1e-6, "a counter of 32 bits of µs began again once"),
+        (65.536, 1e-3, "a counter of 16 bits of ms began again once"),
+        (60.0, 1e-3, "the counter of an SLCAN adapter began again once"),
+        (86_400.0, 1e-6, "a time of day began again once"),
+        (4_294_967.296, 1e-3, "a counter of 32 bits of ms began again once"),
+        (4.294967296, 1e-6, "a counter of 32 bits of ns began again once"),
+        (7.25, 1e-6, ""),
+    ] {
+        for begin in [1_700_000_000.0, wrap + first - middle] {
+            let stamp = |n: usize, _: &str| {
+                let back = if times[n] >= middle { wrap } else { 0.0 };
+                let at = (begin + times[n] - first - back).max(0.0);
+                format!("{:017.6}", (at / coarse).round() * coarse)
+            };
+            let wrapped = scratch.write("wrapped.log", stamped(&log, stamp));
+            let run = replay(&[&wrapped], E_TYPE, &[]).ok();
+            let summary = run.summary();
+            assert_eq!(summary["judged"], true, "{wrap} s");
+            assert_eq!((&summary["time_jumps"], &summary["backwards"]), (&1.into(), &1.into()));
+            assert!(run.incidents().is_empty() && run.warnings().is_empty(), "{wrap} s");
+            let remarks = summary["remarks"].to_string();
+            assert_eq!(remarks.contains("began again"), !words.is_empty(), "{wrap} s: {remarks}");
+            assert!(remarks.contains(words), "{wrap} s: {remarks}");
+        }
+    }
 }

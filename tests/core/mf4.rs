@@ -191,6 +191,33 @@ fn groups_that_were_written_in_turn_are_read_in_the_order_of_time() {
     assert_eq!(statistics.bad_lines, 1);
 }
 
+/// A logger with a buffer for each message writes them into one group, each when it is full. The clock may be set back.
+#[test]
+fn messages_of_one_group_that_were_written_in_turn_are_read_in_the_order_of_time() {
+    let start = excerpt()[0].timestamp.as_nanos();
+    let frame = |k: i64, id: u32| {
+        let at = Timestamp::from_nanos(start + k * 20_000_000 + i64::from(id & 0xF0) * 10_000);
+        Frame::new(at, Id::standard(id).expect("11 bits"), Kind::Data, &[k as u8, 1, 2])
+    };
+    let blocks = |range: std::ops::Range<i64>| {
+        let cycles: Vec<i64> = range.collect();
+        let of_block = |block: &[i64]| -> Vec<Frame> {
+            [0x211, 0x201].iter().flat_map(|id| block.iter().map(|k| frame(*k, *id))).collect()
+        };
+        cycles.chunks(25).flat_map(of_block).collect::<Vec<Frame>>()
+    };
+    let in_order = |range: std::ops::Range<i64>| -> Vec<Frame> {
+        range.flat_map(|k| [frame(k, 0x201), frame(k, 0x211)]).collect()
+    };
+    for form in forms() {
+        let form = Form { whole: true, ..form };
+        let (found, statistics) = read(&file(form, &blocks(0..100)));
+        assert_eq!((found, statistics.bad_lines), (in_order(0..100), 0), "{form:?}");
+        let set_back = [in_order(500..600), in_order(0..100)].concat();
+        assert_eq!(read(&file(form, &set_back)).0, set_back, "{form:?}");
+    }
+}
+
 #[test]
 fn a_form_that_python_can_reads_is_read_alike() {
     let folder = tempfile::tempdir().expect("a folder");

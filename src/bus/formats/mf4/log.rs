@@ -1,4 +1,4 @@
-//! The frames of a whole file, in the order of time where they stand in several groups.
+//! The frames of a whole file, in the order of time where they stand in several groups or were written late.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -7,6 +7,7 @@ use super::cursor::{Cursor, Next};
 use super::group::Groups;
 use super::packed::Room;
 use super::stream::Unfinished;
+use super::window::Window;
 use crate::bus::format::blank_frame;
 use crate::bus::reason::Reason;
 use crate::frame::Frame;
@@ -38,6 +39,8 @@ pub struct Log {
     /// Flaws for which data of a set cannot be read any more, each of which is met by all readers of the set: the set and
     /// the place.
     met: BTreeSet<(usize, u64)>,
+    /// Frames that wait for those that were written late.
+    window: Window,
     /// Whether its times count from 1970.
     pub absolute: bool,
 }
@@ -69,11 +72,26 @@ impl Log {
             let ahead = |cursor| Ahead { cursor, set, frame: blank_frame(), channel: None };
             readers.extend(parts.into_iter().map(open).map(ahead));
         }
-        Self { flaws: flaws.into(), groups: readers, met: BTreeSet::new(), absolute: start != 0 }
+        let (flaws, met, window) = (flaws.into(), BTreeSet::new(), Window::default());
+        Self { flaws, groups: readers, met, window, absolute: start != 0 }
     }
 
-    /// Reads the next record; a frame is written into `frame`.
+    /// Reads on to the next frame in the order of time, which is written into `frame`, or to what is none.
     pub fn next(&mut self, file: &[u8], frame: &mut Frame) -> Next {
+        while !self.window.is_full() {
+            match self.next_record(file, frame) {
+                Next::Frame(channel) => self.window.put(frame.clone(), channel),
+                Next::End => break,
+                other => return other,
+            }
+        }
+        let Some((next, channel)) = self.window.take() else { return Next::End };
+        *frame = next;
+        Next::Frame(channel)
+    }
+
+    /// Reads the next record of all groups; a frame is written into `frame`.
+    fn next_record(&mut self, file: &[u8], frame: &mut Frame) -> Next {
         if let Some(flaw) = self.flaws.pop_front() {
             return Next::Bad(flaw);
         }

@@ -12,6 +12,7 @@ mod log;
 mod packed;
 mod stream;
 mod variable;
+mod window;
 
 use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
 use crate::bus::reason::Reason;
