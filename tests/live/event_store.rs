@@ -7,6 +7,7 @@ use tertius::appliance::store::{AlarmAct, Cause, Clerk, Filter, StorePlan, Store
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::{Clock, SystemClock};
 use tertius::config::MachineNames;
+use tertius::frame::Frame;
 use tertius::time::Span;
 use tertius_testing::process::{configuration, excerpt, write};
 use tertius_testing::support::{Run, replay, tertius};
@@ -63,6 +64,58 @@ fn the_store_has_the_incidents_that_a_replay_finds() {
     for (kept, begin) in begins(&kept.lines(), "at_s").into_iter().zip(expected) {
         assert!((kept - zero - begin).abs() < 1e-5, "{kept} {begin}");
     }
+}
+
+/// For two seconds a second device sends C1 of cylinder 1, too, and C1 of cylinder 3 has a status without a meaning.
+#[test]
+fn what_cannot_be_relied_on_is_kept_and_logged_as_a_replay_tells_it() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, log) = stage(folder.path());
+    let begin = excerpt(57.0, 57.1)[0].timestamp;
+    let odd = |frame: &Frame, place: usize, bits: u8| {
+        let mut data = frame.data().to_vec();
+        data[place] ^= bits;
+        Frame::new(frame.timestamp, frame.id, frame.kind, &data)
+    };
+    let doubtful = excerpt(57.0, 72.0).into_iter().flat_map(|frame| {
+        let is_odd = (1.0..3.0).contains(&frame.timestamp.since(begin).as_seconds());
+        match frame.id.value() {
+            0x181 if is_odd => vec![odd(&frame, 0, 1), frame],
+            0x183 if is_odd => vec![odd(&frame, 4, 0x40)],
+            _ => vec![frame],
+        }
+    });
+    write(Path::new(&log), "can0", &doubtful.collect::<Vec<_>>());
+    let told: Vec<(String, bool)> = run(&config, &log)
+        .stderr
+        .lines()
+        .filter(|line| line.contains("0x181") || line.contains("0x40"))
+        .map(|line| (line.to_owned(), line.contains("WARN")))
+        .collect();
+    let kept = events(&config, &["--kind", "doubt", "--format", "jsonl"]).ok().lines();
+    let mut texts: Vec<&str> = kept.iter().rev().filter_map(|it| it["text"].as_str()).collect();
+    let words = [
+        "frames 0x181 contradict each other: a second device sends them, too",
+        "C1: the status has 0x40, which `plausibility.status_mask` does not have",
+        "frames 0x181 no longer contradict each other",
+    ];
+    texts.sort_by_key(|text| words.iter().position(|word| text.starts_with(word)));
+    assert_eq!(texts.len(), words.len(), "{texts:?}");
+    for (text, word) in texts.iter().zip(words) {
+        assert!(text.starts_with(word), "{text} is not {word}");
+        let what = text.strip_prefix("C1: ").unwrap_or(text);
+        let logged = told.iter().filter(|(line, _)| line.contains(what));
+        let is_warning = !word.contains("no longer");
+        assert_eq!(logged.map(|(_, warns)| *warns).collect::<Vec<_>>(), [is_warning], "{told:?}");
+    }
+    let cylinders: Vec<&Value> = kept.iter().rev().map(|it| &it["cylinder"]).collect();
+    assert_eq!(cylinders.iter().filter(|it| ***it == 3).count(), 1, "{kept:?}");
+    let of_replay = replay(&[&log], &config, &[]).ok();
+    let notices = of_replay.lines().into_iter().filter(|line| {
+        let what = line["notice"].as_str().unwrap_or_default();
+        what.starts_with("contradiction") || what == "unnamed_status"
+    });
+    assert_eq!(notices.count(), words.len());
 }
 
 #[test]
