@@ -215,7 +215,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let started = Instant::now();
     let mut csv = Vec::new();
-    export(&StoreReader::open(&path)?, &text(""), ExportFormat::Csv, now, &mut csv)?;
+    export(
+        &StoreReader::open(&path)?,
+        &text(""),
+        ExportFormat::Csv,
+        &MachineNames::default(),
+        now,
+        &mut csv,
+    )?;
     let lines = csv.iter().filter(|byte| **byte == b'\n').count();
     println!("CSV of everything: {lines} lines in {:.1} s", started.elapsed().as_secs_f64());
     clerk.finish();

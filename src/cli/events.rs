@@ -78,15 +78,15 @@ impl Events {
             limit: usize::from(self.most),
             ..Filter::default()
         };
-        let now = SystemClock::new().system();
+        let (now, names) = (SystemClock::new().system(), loaded.settings.names());
         let mut out = BufWriter::new(io::stdout().lock());
         let written = match self.format {
             Format::Human => {
                 let found = reader.search(&filter, now).map_err(refused)?;
                 self.list(&found.entries, &mut out).map(|()| found.damaged)
             }
-            Format::Jsonl => export(&reader, &filter, ExportFormat::Jsonl, now, &mut out),
-            Format::Csv => export(&reader, &filter, ExportFormat::Csv, now, &mut out),
+            Format::Jsonl => export(&reader, &filter, ExportFormat::Jsonl, &names, now, &mut out),
+            Format::Csv => export(&reader, &filter, ExportFormat::Csv, &names, now, &mut out),
         };
         let damaged =
             written.and_then(|damaged| out.flush().map(|()| damaged).map_err(Trouble::from));

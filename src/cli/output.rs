@@ -68,8 +68,11 @@ impl Output {
         settings: &Settings,
         threads: usize,
     ) -> Result<Self, Failure> {
-        let residuals = table(RESIDUALS, residuals, threads, ResidualTable::new)?;
-        let estimates = table(ESTIMATES, estimates, threads, EstimateTable::new)?;
+        let names = settings.names();
+        let of_residuals = |file| ResidualTable::new(file, &names);
+        let residuals = table(RESIDUALS, residuals, threads, of_residuals)?;
+        let of_estimates = |file| EstimateTable::new(file, &names);
+        let estimates = table(ESTIMATES, estimates, threads, of_estimates)?;
         let frames = frames
             .map(Claimed::open)
             .transpose()?
@@ -84,7 +87,7 @@ impl Output {
             notices: Notices::default(),
             recorder: None,
             columns: None,
-            names: settings.names(),
+            names,
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,
             estimates,

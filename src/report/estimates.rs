@@ -1,11 +1,13 @@
 //! The table of estimates, as comma-separated values.
 
+use super::csv::NameColumn;
 use super::number;
+use crate::config::MachineNames;
 use crate::estimate::Estimate;
 use crate::time::Timestamp;
 use std::io::{self, Write};
 
-/// Columns, which the first line names.
+/// Columns, which the first line names, beside that of the cylinder's name.
 pub const HEADER: &str = "t,cylinder,estimate,sigma,valid,source,without";
 
 /// A row of the table: a cylinder and cycle.
@@ -29,17 +31,19 @@ impl EstimateRow {
 #[derive(Debug)]
 pub struct EstimateTable<W: Write> {
     out: W,
+    names: NameColumn,
     line: Vec<u8>,
 }
 
 impl<W: Write> EstimateTable<W> {
-    /// A table on `out`, which should be buffered.
+    /// A table on `out`, which should be buffered, of a machine whose cylinders have these `names`.
     ///
     /// # Errors
     /// Errors of `out`.
-    pub fn new(mut out: W) -> io::Result<Self> {
-        writeln!(out, "{HEADER}")?;
-        Ok(Self { out, line: Vec::new() })
+    pub fn new(mut out: W, names: &MachineNames) -> io::Result<Self> {
+        let names = NameColumn::new(names);
+        writeln!(out, "{}", names.among(HEADER.split(',')))?;
+        Ok(Self { out, names, line: Vec::new() })
     }
 
     /// Writes a row.
@@ -50,7 +54,7 @@ impl<W: Write> EstimateTable<W> {
         let line = &mut self.line;
         line.clear();
         number::append(line, row.t);
-        write!(line, ",{},", row.cylinder)?;
+        write!(line, ",{}{},", row.cylinder, self.names.after(Some(row.cylinder)))?;
         match &row.estimate {
             None => line.extend_from_slice(b",,0,,\n"),
             Some(Estimate { position, sigma, source, valid, without }) => {

@@ -6,6 +6,7 @@ pub mod calibration;
 pub mod columns;
 pub mod commission;
 pub mod coverage;
+pub mod csv;
 pub(crate) mod device;
 pub mod doubtful;
 pub mod episode;

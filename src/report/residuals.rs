@@ -1,11 +1,13 @@
 //! The table of residuals, as comma-separated values.
 
+use super::csv::NameColumn;
 use super::number;
+use crate::config::MachineNames;
 use crate::monitor::Record;
 use crate::time::Timestamp;
 use std::io::{self, Write};
 
-/// Columns, which the first line names.
+/// Columns, which the first line names, beside that of the cylinder's name.
 pub const HEADER: &str = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated";
 
 /// Columns that may be empty.
@@ -41,17 +43,19 @@ impl ResidualRow {
 #[derive(Debug)]
 pub struct ResidualTable<W: Write> {
     out: W,
+    names: NameColumn,
     line: Vec<u8>,
 }
 
 impl<W: Write> ResidualTable<W> {
-    /// A table on `out`, which should be buffered.
+    /// A table on `out`, which should be buffered, of a machine whose cylinders have these `names`.
     ///
     /// # Errors
     /// Errors of `out`.
-    pub fn new(mut out: W) -> io::Result<Self> {
-        writeln!(out, "{HEADER}")?;
-        Ok(Self { out, line: Vec::new() })
+    pub fn new(mut out: W, names: &MachineNames) -> io::Result<Self> {
+        let names = NameColumn::new(names);
+        writeln!(out, "{}", names.among(HEADER.split(',')))?;
+        Ok(Self { out, names, line: Vec::new() })
     }
 
     /// Writes a row.
@@ -62,7 +66,7 @@ impl<W: Write> ResidualTable<W> {
         let line = &mut self.line;
         line.clear();
         number::append(line, row.t);
-        write!(line, ",{}", row.cylinder)?;
+        write!(line, ",{}{}", row.cylinder, self.names.after(Some(row.cylinder)))?;
         for value in row.values {
             line.push(b',');
             if let Some(value) = value {

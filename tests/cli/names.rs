@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::fs;
-use tertius_testing::support::{Scratch, changed, replay, tertius, top};
+use tertius_testing::support::{Scratch, between, changed, recorded, replay, tertius, top};
 
 const FAULTS: &str = "tests/recordings/e-type-faults.log.zst";
 const CONFIG: &str = "tests/recordings/e-type-sequential.toml";
@@ -83,6 +83,39 @@ fn lines_of_json_have_names_beside_numbers() {
     });
     assert_eq!((own[1]["name"].as_str(), &own[1]["c2_name"]), (Some(&*name(2)), &"LT-102B".into()));
     assert!(own[5].get("c1_name").is_none() && bare[1].get("name").is_none());
+}
+
+/// Whoever opens a table sees them; without them nothing of it is there.
+#[test]
+fn tables_of_each_cycle_have_names_behind_the_numbers() {
+    let scratch = Scratch::new();
+    let log = scratch.write("some.log", between(&recorded("e-type-faults.log.zst"), 88.0, 90.0));
+    let tables = |config: &str| {
+        let [residuals, estimates] = ["r.csv", "e.csv"].map(|name| scratch.path(name));
+        let options = ["--residuals", &residuals, "--estimates", &estimates];
+        replay(&[&log], config, &options).ok();
+        ["r.csv", "e.csv"].map(|name| {
+            let text = scratch.read(name);
+            fs::remove_file(scratch.path(name)).expect("it was written");
+            text
+        })
+    };
+    for (with, without) in tables(&named(&scratch)).iter().zip(tables(CONFIG)) {
+        assert!(without.lines().count() > 500, "{}", without.lines().count());
+        let begin =
+            without.lines().next().expect("a head").replace("t,cylinder,", "t,cylinder,name,");
+        assert!(with.starts_with(&begin), "{begin}");
+        let bare = |(k, line): (usize, &str)| {
+            if k == 0 {
+                return line.replace(",name,", ",") + "\n";
+            }
+            let n = line.split(',').nth(1).and_then(|it| it.parse().ok()).expect("a cylinder");
+            let name = format!(",\"{}\",", name(n).replace('"', "\"\""));
+            assert_eq!(line.matches(&name).count(), 1, "{name} in {line}");
+            line.replace(&name, ",") + "\n"
+        };
+        assert!(with.lines().enumerate().map(bare).collect::<String>() == without);
+    }
 }
 
 #[test]

@@ -154,6 +154,40 @@ fn each_start_and_stop_is_an_event_and_csv_says_it_too() {
     told.failed(2, &["expected one of incident, act, start"]);
 }
 
+/// Cylinders are called as the configuration says today.
+#[test]
+fn files_of_events_have_the_names_of_cylinders() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, log) = stage(folder.path());
+    run(&config, &log);
+    let export = |format: &str| events(&config, &["--format", format]).ok().stdout;
+    let (csv, lines) = (export("csv"), export("jsonl"));
+    assert!(!csv.contains(",name,") && !lines.contains("\"name\""), "without names: {csv}");
+    let text = std::fs::read_to_string(&config).expect("it was written");
+    let named = (1..=6).fold(text, |text, n| {
+        let own = format!("[[cylinder]]\nn = {n}\n");
+        assert_eq!(text.matches(&own).count(), 1, "{own:?}");
+        text.replace(&own, &format!("{own}name = \"Deck, {n}\"\n"))
+    });
+    std::fs::write(&config, named).expect("the folder is ours");
+    let [bare, named] =
+        [csv, export("csv")].map(|it| it.lines().map(str::to_owned).collect::<Vec<_>>());
+    assert_eq!(named[0], bare[0].replace(",cylinder,", ",cylinder,name,"));
+    let mut of_cylinders = 0;
+    for (bare, named) in bare.iter().zip(&named).skip(1) {
+        let fields: Vec<&str> = bare.splitn(6, ',').collect();
+        let (n, rest) = (fields[4], fields[5]);
+        let name = if n.is_empty() { String::new() } else { format!("\"Deck, {n}\"") };
+        assert_eq!(*named, format!("{},{n},{name},{rest}", fields[..4].join(",")));
+        of_cylinders += usize::from(!n.is_empty());
+    }
+    assert!(of_cylinders >= 1 && of_cylinders + 1 < bare.len(), "{bare:?}");
+    for line in events(&config, &["--format", "jsonl"]).ok().lines() {
+        let expected = line["cylinder"].as_u64().map(|n| format!("Deck, {n}"));
+        assert_eq!(line.get("name").and_then(Value::as_str), expected.as_deref(), "{line}");
+    }
+}
+
 #[test]
 fn an_act_is_answered_once_it_is_kept() {
     let folder = tempfile::tempdir().expect("there is room");

@@ -160,7 +160,7 @@ pub(super) async fn file(
         Ok(place) => place,
         Err(refusal) => return no_place(refusal),
     };
-    let now = shared.clock.system();
+    let (now, facts) = (shared.clock.system(), shared.telemetry.facts());
     let headers = [
         (CONTENT_TYPE, kind.to_owned()),
         (CACHE_CONTROL, "no-store".to_owned()),
@@ -169,7 +169,9 @@ pub(super) async fn file(
     let make = move |mut out: &mut dyn Write| {
         let reader = StoreReader::open(&store).map_err(io::Error::other)?;
         // Rows that are damaged are told by the page, too.
-        export(&reader, &filter, format, now, &mut out).map(drop).map_err(io::Error::other)
+        export(&reader, &filter, format, &facts.names, now, &mut out)
+            .map(drop)
+            .map_err(io::Error::other)
     };
     match body(&connection, place, make) {
         Ok(body) => (headers, body).into_response(),

@@ -3,8 +3,10 @@
 use super::query::{Filter, MOST_FOUND};
 use super::reader::{EventEntry, StoreReader};
 use super::trouble::Trouble;
-use crate::config::{visible, visible_lines};
+use crate::config::{MachineNames, visible};
+use crate::report::csv::{NameColumn, field};
 use crate::time::Timestamp;
+use serde::Serialize;
 use std::io::Write;
 
 /// Form of an export.
@@ -16,15 +18,15 @@ pub enum ExportFormat {
     Jsonl,
 }
 
-/// Columns of a CSV.
+/// Columns of a CSV, beside that of the cylinder's name.
 pub const EXPORT_COLUMNS: [&str; 17] = [
     "id", "at_utc", "at_s", "kind", "cylinder", "level", "suspect", "fault", "state", "ending",
     "end_s", "size_m", "quantity", "peak_m", "limit_m", "about", "text",
 ];
 
 /// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit, and returns how many of
-/// them are damaged ([`EventPage::damaged`](super::EventPage)). Memory is that of a page; what is written meanwhile
-/// comes in no page.
+/// them are damaged ([`EventPage::damaged`](super::EventPage)). Cylinders are called by their `names` of today. Memory is that
+/// of a page; what is written meanwhile comes in no page.
 ///
 /// # Errors
 /// The store cannot be read, or `out` not be written.
@@ -32,22 +34,25 @@ pub fn export(
     reader: &StoreReader,
     filter: &Filter,
     format: ExportFormat,
+    names: &MachineNames,
     now: Timestamp,
     out: &mut impl Write,
 ) -> Result<usize, Trouble> {
+    let column = NameColumn::new(names);
     let mut damaged = 0;
     let mut page = Filter { limit: MOST_FOUND, ..filter.clone() };
     if format == ExportFormat::Csv {
-        writeln!(out, "{}", EXPORT_COLUMNS.join(","))?;
+        writeln!(out, "{}", column.among(EXPORT_COLUMNS))?;
     }
     loop {
         let found = reader.search(&page, now)?;
         damaged += found.damaged;
         for entry in &found.entries {
             match format {
-                ExportFormat::Csv => writeln!(out, "{}", row(entry).join(","))?,
+                ExportFormat::Csv => writeln!(out, "{}", row(entry, &column).join(","))?,
                 ExportFormat::Jsonl => {
-                    let line = serde_json::to_string(entry);
+                    let name = entry.cylinder.and_then(|number| names.of_cylinder(number));
+                    let line = serde_json::to_string(&NamedEntry { entry, name });
                     let line = line.map_err(|error| Trouble::Other(error.to_string()))?;
                     writeln!(out, "{}", visible(&line))?;
                 }
@@ -60,9 +65,19 @@ pub fn export(
     }
 }
 
-/// Fields in the order of [`EXPORT_COLUMNS`].
-fn row(entry: &EventEntry) -> [String; 17] {
+/// An entry with the name of its cylinder.
+#[derive(Serialize)]
+struct NamedEntry<'a> {
+    #[serde(flatten)]
+    entry: &'a EventEntry,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
+}
+
+/// Fields in the order of [`EXPORT_COLUMNS`]; behind the number of the cylinder is its name.
+fn row(entry: &EventEntry, column: &NameColumn) -> [String; 17] {
     let incident = entry.incident.as_ref();
+    let number_of = |cylinder: Option<u8>| cylinder.map_or(String::new(), |it| it.to_string());
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let text = |value: Option<&str>| value.map_or(String::new(), field);
     [
@@ -70,7 +85,7 @@ fn row(entry: &EventEntry) -> [String; 17] {
         utc(entry.at_s),
         entry.at_s.to_string(),
         field(&entry.kind),
-        entry.cylinder.map_or(String::new(), |number| number.to_string()),
+        number_of(entry.cylinder) + column.after(entry.cylinder),
         text(entry.level),
         text(entry.suspect.as_deref()),
         text(incident.map(|it| it.fault.as_str())),
@@ -86,18 +101,6 @@ fn row(entry: &EventEntry) -> [String; 17] {
     ]
 }
 
-/// A text as a field: quoted where it has to be, never a formula for a spreadsheet, and without effect on a terminal.
-fn field(text: &str) -> String {
-    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
-    let text = visible_lines(text);
-    let text = if formula { format!("'{text}") } else { text.into_owned() };
-    if text.contains(['"', ',', '\n', '\r', ';']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text
-    }
-}
-
 /// Date and time, as RFC 3339 has them.
 fn utc(at: Timestamp) -> String {
     let at = jiff::Timestamp::from_nanosecond(i128::from(at.as_nanos()));
@@ -109,19 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_field_is_one_and_no_formula() {
-        for (text, expected) in [
-            ("plain", "plain"),
-            ("a, b", "\"a, b\""),
-            ("say \"no\"", "\"say \"\"no\"\"\""),
-            ("=HYPERLINK(1)", "'=HYPERLINK(1)"),
-            ("-1+1", "'-1+1"),
-            ("@x, y", "\"'@x, y\""),
-            ("line\nbreak", "\"line\nbreak\""),
-            ("\u{1b}[2J\u{202e}", "\\u001b[2J\\u202e"),
-        ] {
-            assert_eq!(field(text), expected);
-        }
+    fn times_are_as_rfc_3339_has_them() {
         assert_eq!(
             utc(Timestamp::from_nanos(1_700_000_000_250_000_000)),
             "2023-11-14T22:13:20.25Z"

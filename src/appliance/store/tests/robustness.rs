@@ -225,7 +225,14 @@ fn one_bad_byte_costs_a_character_and_not_the_list() {
     assert_eq!(bench.reader().news(|_| 0, 100).expect("read").len(), 4);
     let mut csv = Vec::new();
     let all = Filter::default();
-    let damaged = export(&bench.reader(), &all, ExportFormat::Csv, later(100.0), &mut csv);
+    let damaged = export(
+        &bench.reader(),
+        &all,
+        ExportFormat::Csv,
+        &MachineNames::default(),
+        later(100.0),
+        &mut csv,
+    );
     assert_eq!(damaged.expect("read"), 1);
 }
 
