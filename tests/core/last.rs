@@ -1,7 +1,7 @@
 //! One transducer of a cylinder is out, and the last one fails: its observer alone finds it and names it, and nothing
 //! calls it healthy, or the estimate valid, until there is evidence.
 
-use crate::sequential_support::{EPOCH, Setup, fine};
+use crate::sequential_support::{EPOCH, Setup, fine, setup};
 use std::path::Path;
 use tertius::alarm::status::Health;
 use tertius::alarm::{Detector, Level, State as Said, Warning};
@@ -337,6 +337,24 @@ fn a_sound_last_transducer_is_not_doubted_for_good() {
                 let named = seen.named(cylinder, Suspect::C2);
                 let black = seen.black(cylinder, Suspect::C2);
                 assert_eq!(black, None, "{out}, {seed}, {cylinder}: {named:?}");
+            }
+        }
+    }
+}
+
+/// Beside a sequential detector a wild reading leaves nothing in the observer, and the quiet after it was what confirmed it as an
+/// error: one in fifty of both readings had latched both for twenty minutes.
+#[test]
+fn wild_readings_of_both_latch_neither() {
+    let spikes = |sensor| format!("spike,size=0.004,probability=0.02,sensor={sensor}");
+    let of = |n: u8| ["c1", "c2"].map(|sensor| format!("{},cylinder={n}", spikes(sensor)));
+    let faults: Vec<String> = (1..=6).flat_map(of).collect();
+    for seed in 1..=4 {
+        let seen = play(setup(), 300.0, &setup().options(seed, &faults));
+        for cylinder in 1..=6 {
+            for suspect in [Suspect::C1, Suspect::C2] {
+                let named = seen.named(cylinder, suspect);
+                assert_eq!(seen.black(cylinder, suspect), None, "{seed}, {cylinder}: {named:?}");
             }
         }
     }

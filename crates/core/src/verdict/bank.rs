@@ -173,20 +173,22 @@ impl Bank {
         for (i, residual) in residuals.r.into_iter().enumerate() {
             if let Some(residual) = residual {
                 self.newest[i] = residual;
-                if i == FDE3 {
-                    self.difference.push(residual);
-                } else {
-                    self.observed[i].push(residual);
+                match self.observed.get_mut(i) {
+                    Some(observed) => observed.push(residual),
+                    None => self.difference.push(residual),
                 }
             }
             let is_joint = joint == Some(i);
-            if self.triggers[i].raised().is_some() {
-                self.go_on(i, at, residual, is_joint);
-            } else {
-                let other = [residuals.r[1], residuals.r[0], None][i];
-                let stands = aside.get(i).copied().flatten();
-                let sample = residual.map(|residual| ResidualSample { residual, stands, other });
-                self.begin(i, at, sample, is_joint);
+            let other = [residuals.r[1], residuals.r[0], None][i];
+            let stands = aside.get(i).copied().flatten();
+            let residual = residual.filter(|it| !it.is_nan());
+            let sample = residual.map(|residual| ResidualSample { residual, stands, other });
+            match self.triggers[i].raised() {
+                Some(_) => self.go_on(i, at, sample, is_joint),
+                None => self.begin(i, at, sample, is_joint),
+            }
+            if sample.is_none() {
+                self.persistence[i].dismiss();
             }
         }
         self.is_exceeded = self.persistence.iter().any(Persistence::is_open);
@@ -199,12 +201,15 @@ impl Bank {
     }
 
     /// Judges the residual of an FDE that is raised.
-    fn go_on(&mut self, i: usize, at: Timestamp, residual: Option<f64>, is_joint: bool) {
-        let trigger = &mut self.triggers[i];
-        self.verdicts[i] = trigger.judge(at, residual);
+    fn go_on(&mut self, i: usize, at: Timestamp, sample: Option<ResidualSample>, is_joint: bool) {
+        let (trigger, persistence) = (&mut self.triggers[i], &mut self.persistence[i]);
+        let (high, residual) = (trigger.thresholds().high, sample.map(|it| it.residual));
+        // A single reading that is wild is evidence neither of a fault nor of its end.
+        let goes_on = sample.is_none_or(|it| persistence.goes_on(at, it, it.residual.abs() > high));
+        self.verdicts[i] =
+            trigger.judge(at, residual.filter(|_| goes_on || !persistence.is_open()));
         if is_joint {
-            let by_itself = residual.is_some_and(|it| it.abs() > trigger.thresholds().high);
-            self.by_joint[i] &= !by_itself;
+            self.by_joint[i] &= residual.is_none_or(|it| it.abs() <= high);
             self.verdicts[i] = trigger.raise(at);
         }
     }
@@ -212,11 +217,8 @@ impl Bank {
     /// Raises an FDE once its residual has stayed beyond the threshold.
     fn begin(&mut self, i: usize, at: Timestamp, sample: Option<ResidualSample>, is_joint: bool) {
         let (trigger, persistence) = (&mut self.triggers[i], &mut self.persistence[i]);
-        let Some(sample) = sample.filter(|it| !it.residual.is_nan()) else {
-            persistence.dismiss();
-            return self.verdicts[i] = trigger.judge(at, None);
-        };
         let high = trigger.thresholds().high;
+        let Some(sample) = sample else { return self.verdicts[i] = trigger.judge(at, None) };
         let exceeds = is_joint || sample.residual.abs() > high;
         self.verdicts[i] = match persistence.take(at, sample, exceeds) {
             Some(lasting) => {
@@ -259,8 +261,7 @@ impl Bank {
     /// The observer, 0 or 1, that alone exceeds the threshold of joint evidence while C1 − C2 has moved with it.
     #[inline]
     fn joint(&self, residuals: &Residuals, jump: Jump) -> Option<usize> {
-        let [r1, r2, _] = residuals.r;
-        let (r1, r2) = r1.zip(r2)?;
+        let (r1, r2) = residuals.r[0].zip(residuals.r[1])?;
         let is_of = |own: f64, other: f64, jump: Jump| {
             own.abs() > self.joint && jump.shows(own, other, self.parameters)
         };
@@ -384,9 +385,8 @@ impl Bank {
                 of_observer.classify(&self.observed[i].in_order(), parameters, cycles)
             }
             None => {
-                let differences = self.difference.in_order();
-                let known = self.difference.known();
-                match classify_difference(&differences, known, parameters, cycles) {
+                let it = &self.difference;
+                match classify_difference(&it.in_order(), it.known(), parameters, cycles) {
                     // R3 is not the size of a step of it.
                     Fault::Abrupt if self.unaligned().is_some() => Fault::Incipient,
                     fault => fault,

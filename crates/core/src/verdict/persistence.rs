@@ -1,8 +1,8 @@
 //! A residual beyond its threshold that has to stay there, or to be there often: one or two wild samples are no fault.
 //!
-//! A spike on a cable is off for a sample. Where one sample in a hundred is wild, two follow each other about once a minute
-//! on a machine, and three hardly once an hour. Without a sequential detector a threshold is all that finds a step, and
-//! counts at once, as in the thesis.
+//! A spike on a cable is off for a sample. Where one sample in two hundred is wild, two follow each other every five minutes
+//! on a machine, and three hardly once an hour. Where more are wild, more have to follow each other. Without a sequential
+//! detector a threshold is all that finds a step, and counts at once, as in the thesis.
 
 use super::parameters::VerdictParameters;
 use crate::state::{state, whole};
@@ -44,26 +44,39 @@ whole! { Lasting { since, largest } }
 /// ten. Where 2 % of the samples of C1 and of C2 are wild, seven of 16 differences are beyond about once an hour on a machine.
 const OFTEN: usize = 7;
 
+/// So many within the same time keep a residual raised that is. A single wild one does not: where 2 % of the samples were wild,
+/// FDE1 was raised by three in a row once, and stood for an hour.
+const AGAIN: usize = 3;
+
+/// Newest wild readings whose times tell how frequent they are.
+const WILD: usize = 8;
+
+/// Times within which so many of them ask for a further sample each, s: one reading in a hundred and twenty at 50 Hz, and one in
+/// forty. Where 2 % of the samples are wild, three follow each other forty times an hour on a machine, and five hardly ever.
+const FREQUENT: [f64; 2] = [20.0, 6.0];
+
 /// Follows one residual until it has stayed beyond its threshold for some samples, or was there often.
 #[derive(Clone, Debug)]
 pub struct Persistence {
     exceeded: Option<Exceeded>,
     /// Newest samples beyond the threshold, the oldest first.
     newest: [Option<Lasting>; OFTEN],
-    /// Samples that it has to stay.
+    /// When the newest readings were wild, the oldest first.
+    wild: [Option<Timestamp>; WILD],
+    /// Samples that it has to stay where hardly any is wild.
     samples: u32,
     parameters: &'static VerdictParameters,
 }
 
 state! {
-    Persistence { exceeded, newest }
+    Persistence { exceeded, newest, wild }
     but { samples, parameters }
 }
 
 impl Persistence {
     /// For a residual that is a fault once it has stayed beyond its threshold for this number of `samples`, at least 1.
     pub const fn new(samples: u32, parameters: &'static VerdictParameters) -> Self {
-        Self { exceeded: None, newest: [None; OFTEN], samples, parameters }
+        Self { exceeded: None, newest: [None; OFTEN], wild: [None; WILD], samples, parameters }
     }
 
     /// Cycles that it takes until a residual that stays is a fault.
@@ -104,25 +117,51 @@ impl Persistence {
         sample: ResidualSample,
         exceeds: bool,
     ) -> Option<Lasting> {
-        let ResidualSample { residual, stands, other } = sample;
         // An error of the model is in both observers: as it swings after a load has doubled, it is no noise of a reading.
-        let shared = self.parameters.shared * residual.abs();
-        let is_shared = other.is_some_and(|it| it.abs() > shared);
-        let stands = stands.unwrap_or(residual);
+        let often = Some(OFTEN).filter(|_| !self.is_shared(&sample));
+        self.lasting(at, sample, exceeds, often)
+    }
+
+    /// Takes a residual of a detector that is raised, and returns whether it `exceeds` its threshold so that it stays raised.
+    pub fn goes_on(&mut self, at: Timestamp, sample: ResidualSample, exceeds: bool) -> bool {
+        self.is_immediate() && exceeds || self.lasting(at, sample, exceeds, Some(AGAIN)).is_some()
+    }
+
+    /// Whether the other observer sees the residual, too.
+    fn is_shared(&self, sample: &ResidualSample) -> bool {
+        let shared = self.parameters.shared * sample.residual.abs();
+        sample.other.is_some_and(|it| it.abs() > shared)
+    }
+
+    /// Takes a residual, and returns it once it has stayed, or was beyond its threshold as `often` within the window.
+    fn lasting(
+        &mut self,
+        at: Timestamp,
+        sample: ResidualSample,
+        exceeds: bool,
+        often: Option<usize>,
+    ) -> Option<Lasting> {
+        let residual = sample.residual;
+        let stands = sample.stands.unwrap_or(residual);
         let before = self.exceeded.filter(|_| self.stays(stands));
+        if let (Some(wild), None) = (self.exceeded, before) {
+            self.wild.rotate_left(1);
+            self.wild[WILD - 1] = Some(wild.at);
+        }
         let began =
             exceeds.then_some(Exceeded { at, first: stands, largest: residual, samples: 0 });
         self.exceeded = before.or(began);
+        let needed = self.needed(at);
         let exceeded = self.exceeded.as_mut()?;
         exceeded.samples += 1;
         if residual.abs() > exceeded.largest.abs() {
             exceeded.largest = residual;
         }
         let Exceeded { at: since, largest, samples, .. } = *exceeded;
-        let lasting = if samples >= self.samples {
+        let lasting = if samples >= needed {
             Lasting { since, largest }
-        } else if exceeds && !is_shared {
-            self.often(at, residual)?
+        } else if exceeds {
+            self.often(at, residual, often?)?
         } else {
             return None;
         };
@@ -130,11 +169,19 @@ impl Persistence {
         Some(lasting)
     }
 
-    /// The newest samples beyond the threshold, where they are frequent enough for noise.
-    fn often(&mut self, at: Timestamp, residual: f64) -> Option<Lasting> {
+    /// Samples that a residual has to stay where readings are wild as often as the newest ones.
+    fn needed(&self, at: Timestamp) -> u32 {
+        let within = |seconds: &&f64| {
+            self.wild[0].is_some_and(|first| at.since(first) < Span::from_seconds(**seconds))
+        };
+        self.samples + FREQUENT.iter().filter(within).count() as u32
+    }
+
+    /// The newest samples beyond the threshold, where `count` of them are frequent enough for noise.
+    fn often(&mut self, at: Timestamp, residual: f64, count: usize) -> Option<Lasting> {
         self.newest.rotate_left(1);
         self.newest[OFTEN - 1] = Some(Lasting { since: at, largest: residual });
-        let since = self.newest[0]?.since;
+        let since = self.newest[OFTEN - count]?.since;
         let larger =
             |one: f64, it: Lasting| if it.largest.abs() > one.abs() { it.largest } else { one };
         let largest = self.newest.iter().flatten().fold(0.0, |one, it| larger(one, *it));
@@ -194,6 +241,41 @@ mod tests {
         // Every third one: six of sixteen.
         let spikes: Vec<f64> = (0..60).map(|k| [0.2, 0.1, 4.0][k % 3]).collect();
         assert_eq!(lasted(&spikes), []);
+    }
+
+    /// Where spikes are frequent, three of them in a row are no fault either; a step is found a sample later.
+    #[test]
+    fn where_readings_are_often_wild_more_have_to_follow_each_other() {
+        for (apart, needed) in [(250, 3), (100, 4), (30, 5)] {
+            let mut residuals: Vec<f64> =
+                (0..10 * apart).map(|k| [0.0, 9.0][k % apart / (apart - 1)]).collect();
+            assert_eq!(lasted(&residuals), [], "every {apart}th");
+            residuals.extend([0.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
+            let first = lasted(&residuals)[0];
+            assert_eq!(first.0 as i64 - first.1 + 1, needed, "every {apart}th");
+            // After a quiet time it is as before.
+            residuals.truncate(10 * apart);
+            residuals.extend([0.0; 1000]);
+            residuals.extend([2.0; 3]);
+            assert_eq!(lasted(&residuals).len(), 1, "every {apart}th");
+        }
+    }
+
+    #[test]
+    fn a_single_wild_sample_keeps_nothing_raised_and_noise_does() {
+        let goes_on = |residuals: &[f64]| {
+            let mut persistence = Persistence::new(P.lasting, P);
+            let taken = residuals.iter().zip(0..).filter(|(residual, cycle)| {
+                let at = Timestamp::from_nanos(cycle * CYCLE);
+                let sample = ResidualSample { residual: **residual, stands: None, other: None };
+                persistence.goes_on(at, sample, residual.abs() > 1.0)
+            });
+            taken.count()
+        };
+        assert_eq!(goes_on(&(0..300).map(|k| [0.0, 9.0][k % 20 / 19]).collect::<Vec<_>>()), 0);
+        assert_eq!(goes_on(&[1.5, 1.4, 1.3, 0.2]), 1);
+        let noise: Vec<f64> = (0..30).map(|k| [0.2, 1.5, 0.1, -0.3][k % 4]).collect();
+        assert!(goes_on(&noise) >= 4);
     }
 
     /// A load that doubles lets the rod swing: both observers see it.

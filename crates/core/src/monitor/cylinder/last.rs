@@ -118,6 +118,13 @@ impl LastOne {
         }
     }
 
+    /// Takes that the newest displacement of transducer `i` was a wild reading, of which its observer has kept nothing.
+    pub fn dismiss(&mut self, i: usize) {
+        for watched in [&mut self.of[i], &mut self.together] {
+            (watched.tried, watched.beyond) = (None, watched.beyond & !1);
+        }
+    }
+
     /// Takes a cycle in which nothing was found.
     fn forget(&mut self) {
         self.of = self.of.map(|it| Watched { power: it.power, ..Watched::default() });

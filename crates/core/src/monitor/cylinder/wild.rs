@@ -25,6 +25,8 @@ impl Cylinder {
             } else if !self.bank.stays(i, reading.position - copy.length()) {
                 let own = self.observers[i].resume(copy, reading);
                 (self.uncorrected[i], resumed[i]) = (None, true);
+                // Or the quiet after it would confirm it.
+                self.last.dismiss(i);
                 if let Some(it) = &mut innovations[i] {
                     (it.estimate, it.residual) = (own.estimate, own.residual);
                 }

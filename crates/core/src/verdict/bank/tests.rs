@@ -130,6 +130,24 @@ fn a_spike_is_neither_a_fault_nor_healthy_and_the_difference_has_to_last_too() {
     assert_eq!(bank.verdicts(), [Verdict::Faulty, Verdict::Healthy, Verdict::Faulty]);
 }
 
+/// Three wild readings in a row have raised FDE1. It stood for an hour, since each further one was beyond the threshold.
+#[test]
+fn single_wild_readings_keep_nothing_raised() {
+    let raised_for = |every: i64| {
+        let mut bank = bank();
+        run(&mut bank, 0..50, [0.0; 3]);
+        run(&mut bank, 50..53, [5e-3, 0.0, 0.0]);
+        let goes_on = |k: &i64| {
+            let r1 = if k % every == 0 { 5e-3 } else { 0.0 };
+            run(&mut bank, *k..k + 1, [r1, 0.0, 0.0]);
+            bank.detections()[0].is_some()
+        };
+        (53..3000).take_while(goes_on).count()
+    };
+    assert!((45..60).contains(&raised_for(25)), "{}", raised_for(25));
+    assert!(raised_for(4) > 2900, "noise goes on");
+}
+
 /// Residuals of a long time, calm and not, with cycles in which some are absent or no number.
 #[test]
 fn a_calm_cycle_is_judged_as_any_other() {
