@@ -213,7 +213,7 @@ pub fn advice(incident: &Incident, names: &MachineNames) -> String {
         _ => suspect(incident.suspect).to_owned(),
     };
     if incident.scope.cylinder().is_none() && incident.fault != Fault::Supply {
-        return machine::ADVICE.to_owned();
+        return machine::advice(incident.fault).to_owned();
     }
     if incident.part(WarningPlace::PlausibilityOfCommand).is_some() {
         return "Check the controller: without its command the observers cannot judge.".to_owned();
@@ -311,6 +311,9 @@ pub fn ending(incident: &Incident) -> String {
                 Ending::Returned => "the reading came back",
                 Ending::Quiet => "below the limits since, which is no proof that it is gone",
                 Ending::Cut => "below the limits when the data ended",
+                Ending::Joined => {
+                    "most other cylinders show the same, and it is one incident of the machine"
+                }
             };
             format!("over{lasted}: {how}")
         }

@@ -3,9 +3,19 @@
 use crate::incident::Cylinders;
 use crate::verdict::Fault;
 
-/// What a person should do about what most cylinders showed in one moment.
-pub(super) const ADVICE: &str = "Check what these cylinders share: the bus and its load, the Sync, the controller. \
-    The transducers are not suspected.";
+/// What a person should do about what most cylinders show together.
+pub(super) const fn advice(kind: Fault) -> &'static str {
+    match kind {
+        Fault::Incipient => {
+            "Look at what these transducers share: the temperature, their supply, the controller that reads them. If one \
+            of them still differs when that is over, drive its cylinder to its end stop."
+        }
+        _ => {
+            "Check what these cylinders share: the bus and its load, the Sync, the controller. The transducers are not \
+            suspected."
+        }
+    }
+}
 
 /// Whose an incident is: `machine (cylinders 1 to 6)`.
 pub fn of_machine(cylinders: Cylinders) -> String {
@@ -32,6 +42,7 @@ pub fn numbers(cylinders: Cylinders) -> String {
 pub const fn in_common(kind: Fault) -> &'static str {
     match kind {
         Fault::Stale => "no messages in time",
+        Fault::Incipient => "C1 and C2 drift apart on most cylinders at once",
         other => super::fault(other),
     }
 }

@@ -15,7 +15,7 @@ pub struct AlarmEntry {
     pub cylinder: Option<u8>,
     pub begin_s: f64,
     pub end_s: Option<f64>,
-    /// How it ended: `returned`, `quiet`, `cut` or `interrupted`; `None` while it is open.
+    /// How it ended: `returned`, `quiet`, `cut`, `joined` or `interrupted`; `None` while it is open.
     pub ending: Option<String>,
     /// Name of its [`AlarmState`](crate::alarm_list::AlarmState).
     pub state: &'static str,

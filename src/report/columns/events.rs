@@ -185,7 +185,7 @@ impl TableRow for IncidentRow {
         "begin", "ns since 1970, UTC", Time, "its first warning", |it| Some(it.incident.begin);
         "onset", "ns since 1970, UTC", Time, "when the fault began", |it| Some(it.incident.onset);
         "end", "ns since 1970, UTC", Time, "when it was over", |it| it.incident.end.map(|(at, _)| at);
-        "ending", "", Text, "returned, quiet, cut", |it| it.incident.end.and_then(|(_, how)| word(how.name()));
+        "ending", "", Text, "returned, quiet, cut, joined", |it| it.incident.end.and_then(|(_, how)| word(how.name()));
         "size", "m", Number, "of a step or a drift", |it| it.incident.size;
         "quantity", "", Text, "which residual was largest against its limit", |it| it.worst().and_then(|(it, _)| word(it.name()));
         "peak", "m", Number, "the largest value of that residual", |it| it.worst().map(|(_, peak)| peak.value);

@@ -8,6 +8,7 @@
 //! the machine (`shared`).
 
 mod adding;
+mod drifting;
 mod fusing;
 mod joining;
 mod parameters;
@@ -63,9 +64,11 @@ pub enum Ending {
     /// The bus was lost, the clock was set or the recording ended before it could be known whether
     /// it would come again.
     Cut,
+    /// Most other cylinders show the same: it goes on as a part of an incident of the machine.
+    Joined,
 }
 
-choice! { Ending { Returned, Quiet, Cut } }
+choice! { Ending { Returned, Quiet, Cut, Joined } }
 
 impl Ending {
     /// Name in files and reports.
@@ -74,6 +77,7 @@ impl Ending {
             Self::Returned => "returned",
             Self::Quiet => "quiet",
             Self::Cut => "cut",
+            Self::Joined => "joined",
         }
     }
 }

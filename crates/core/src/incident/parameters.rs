@@ -12,8 +12,11 @@ pub struct IncidentParameters {
     pub most: f64,
     /// Time after which what a single cylinder is left with is its own, s: that of a warning to clear.
     pub alone: f64,
+    /// The same of a slow drift, s: transducers warm within minutes of each other, and cool so.
+    pub alone_drift: f64,
 }
 
 impl IncidentParameters {
-    pub const DEFAULT: Self = Self { moment: 2, least: 2, most: 0.5, alone: 1.0 };
+    pub const DEFAULT: Self =
+        Self { moment: 2, least: 2, most: 0.5, alone: 1.0, alone_drift: 300.0 };
 }

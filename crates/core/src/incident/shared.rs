@@ -1,4 +1,5 @@
-//! Incidents of the machine: what most cylinders show in one moment, and the supply, which all of them have in common.
+//! Incidents of the machine: what most cylinders show in one moment, their slow drifts at the same time, and the supply, which
+//! all of them have in common.
 //!
 //! The incidents of the cylinders go on, each by its own warnings, but are not told: they are the members of one incident
 //! of the machine, which sums them up and suspects no transducer. A member with which one cylinder is left, when the others
@@ -19,12 +20,14 @@ pub(super) enum Cause {
     Supply,
     /// Most cylinders showed something in one moment: the bus, the Sync or the controller is what they have in common.
     Moment,
+    /// Most cylinders differ slowly at the same time: the temperature, or a supply, is what their transducers have in common.
+    Drift,
 }
 
-choice! { Cause { Supply, Moment } }
+choice! { Cause { Supply, Moment, Drift } }
 
 impl Cause {
-    pub const ALL: [Self; 2] = [Self::Supply, Self::Moment];
+    pub const ALL: [Self; 3] = [Self::Supply, Self::Moment, Self::Drift];
 }
 
 /// Whether a warning is of the supply, which is the machine's.
@@ -110,7 +113,7 @@ impl Shared {
         let certainty = |ending: Ending| match ending {
             Ending::Returned => 0,
             Ending::Quiet => 1,
-            Ending::Cut => 2,
+            Ending::Cut | Ending::Joined => 2,
         };
         self.ending = match self.ending {
             Some(known) if certainty(known) >= certainty(ending) => Some(known),

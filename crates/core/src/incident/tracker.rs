@@ -1,5 +1,6 @@
 //! The incidents that are not closed, of all cylinders.
 
+use super::drifting::is_of_drift;
 use super::joining::Open;
 use super::shared::{Cause, Shared, fits, is_of_supply};
 use super::{
@@ -37,7 +38,8 @@ pub struct Incidents {
     begun: u32,
     /// Time within which what several cylinders show has one cause.
     moment: Span,
-    alone: Span,
+    /// Time after which what one cylinder is left with is its own, in the order of [`Cause::ALL`].
+    alone: [Span; Cause::ALL.len()],
 }
 
 state! {
@@ -79,7 +81,9 @@ impl Incidents {
             count: 0,
             begun: 0,
             moment: Span::from_nanos(sample_time.as_nanos().saturating_mul(cycles.into())),
-            alone: Span::from_seconds(P.alone),
+            alone: Cause::ALL.map(|cause| {
+                Span::from_seconds(if cause == Cause::Drift { P.alone_drift } else { P.alone })
+            }),
         }
     }
 
@@ -110,6 +114,35 @@ impl Incidents {
             }
             State::Cleared => _ = cylinder.revise(warning),
         }
+        if warning.state != State::Cleared
+            && (is_of_drift(warning) || self.has_shared(Cause::Drift))
+        {
+            self.gather_drifts();
+        }
+    }
+
+    /// The open incidents of each cylinder.
+    pub(super) fn each_open(&self) -> impl Iterator<Item = &[Option<Open>]> {
+        self.cylinders.iter().map(|it| &it.open[..])
+    }
+
+    pub(super) fn all_open(&mut self) -> impl Iterator<Item = &mut Open> {
+        self.cylinders.iter_mut().flat_map(|it| it.open.iter_mut().flatten())
+    }
+
+    /// Whether there is an incident of the machine for this cause.
+    pub(super) const fn has_shared(&self, cause: Cause) -> bool {
+        self.shared[cause as usize].is_some()
+    }
+
+    /// Notes that an incident of a cylinder belongs to one of the machine.
+    pub(super) const fn share(&mut self) {
+        self.shares = true;
+    }
+
+    /// Whether so many cylinders are most of them.
+    pub(super) fn are_most(&self, count: usize) -> bool {
+        count >= P.least && count as f64 > P.most * self.cylinders.len() as f64
     }
 
     /// Notes that `warning` has begun an incident of a cylinder: if most cylinders have one that began in the same moment,
@@ -121,14 +154,14 @@ impl Incidents {
             |open: &Open| !open.is_told() && open.shared.is_none() && is_near(open.incident.begin);
         let has_fresh = |it: &&OfCylinder| it.open.iter().flatten().any(is_fresh);
         let count = self.cylinders.iter().filter(has_fresh).count();
-        let is_many = count >= P.least && count as f64 > P.most * self.cylinders.len() as f64;
+        let is_many = self.are_most(count);
         if is_many {
             self.gathered = Some(at);
         }
         self.shares |= is_many || is_of_supply(warning);
         if self.gathered.is_some_and(is_near) {
-            let open = self.cylinders.iter_mut().flat_map(|it| it.open.iter_mut().flatten());
-            open.filter(|it| is_fresh(it)).for_each(|open| open.shared = Some(Cause::Moment));
+            let fresh = self.all_open().filter(|it| is_fresh(it));
+            fresh.for_each(|open| open.shared = Some(Cause::Moment));
         }
     }
 
@@ -216,6 +249,12 @@ impl Incidents {
             if let Some(incident) = shared.news(cause, at) {
                 say(incident);
             }
+            for open in self.all_open().filter(|it| it.shared == Some(cause)) {
+                // It was a cylinder's own until others showed it, too.
+                if open.told.take().is_some() {
+                    say(&open.closed(at, Ending::Joined));
+                }
+            }
             self.leave_alone(cause, at);
         }
         self.shares = self.shared.iter().any(Option::is_some);
@@ -228,7 +267,7 @@ impl Incidents {
         let mut left = self.cylinders.iter_mut().filter(|it| it.open.iter().flatten().any(stands));
         let (Some(one), None) = (left.next(), left.next()) else { return };
         let was_shared = shared.incident.scope.cylinders().count() >= P.least;
-        if was_shared && at >= shared.newest.after(self.alone) {
+        if was_shared && at >= shared.newest.after(self.alone[cause as usize]) {
             let own = one.open.iter_mut().flatten().filter(|open| stands(open));
             own.for_each(|open| open.shared = None);
         }

@@ -155,3 +155,68 @@ fn the_supply_is_the_machines_and_what_a_cylinder_has_besides_is_its_own() {
     let revised = story.newest();
     assert_eq!((revised.number, revised.level), (1, Level::Orange));
 }
+
+/// The sun comes out: each C1 warms, none of them more than the others.
+#[test]
+fn slow_drifts_of_most_cylinders_are_one_incident_of_the_machine() {
+    let mut story = Story::of(6);
+    let drift = finding(Fault::Incipient, Suspect::Undecided, 5e-4);
+    for n in 1..=6 {
+        let t = 100.0 + 5.0 * f64::from(n);
+        story.of_cylinder(t, n, Sequential, State::Raised, drift);
+        story.machine(t);
+        story.machine(t + 0.1);
+    }
+    // The first three were their cylinders' own until a fourth showed it, too.
+    assert_eq!(story.numbers(Progress::Opened), [1, 2, 3, 4]);
+    assert_eq!(story.numbers(Progress::Closed), [1, 2, 3]);
+    let closed = story.told.iter().filter(|it| it.progress == Progress::Closed);
+    assert!(closed.clone().all(|it| it.end.is_some_and(|(_, how)| how == Ending::Joined)));
+    let told = *story.newest();
+    assert_eq!((told.number, told.scope), (4, story.numbers_of(&[1, 2, 3, 4, 5, 6])));
+    assert_eq!((told.fault, told.suspect), (Fault::Incipient, Suspect::Process));
+    // C2 of cylinder 5 is found to be the one: that is no common drift.
+    let named = Finding { suspect: Suspect::C2, ..drift };
+    story.of_cylinder(200.0, 5, Sequential, State::Changed, named);
+    story.machine(200.0);
+    story.machine(200.1);
+    let own = story.told.iter().rfind(|it| it.scope == Scope::Cylinder(5)).expect("it is told");
+    assert_eq!((own.number, own.suspect, own.progress), (5, Suspect::C2, Progress::Opened));
+    // What one cylinder is left with for long is its own, too.
+    for n in [1, 2, 3, 4] {
+        story.of_cylinder(900.0, n, Sequential, State::Cleared, drift);
+    }
+    for t in [900.0, 910.0, 1199.0] {
+        story.machine(t);
+    }
+    assert_eq!(story.numbers(Progress::Opened), [1, 2, 3, 4, 5]);
+    story.machine(1201.0);
+    story.machine(1201.1);
+    let own = story.told.iter().rfind(|it| it.scope == Scope::Cylinder(6)).expect("it is told");
+    assert_eq!((own.number, own.progress), (6, Progress::Opened));
+    assert_eq!((story.newest().number, story.newest().progress), (4, Progress::Closed));
+}
+
+#[test]
+fn slow_drifts_of_half_of_the_cylinders_are_theirs() {
+    let mut story = Story::of(6);
+    let drift = finding(Fault::Incipient, Suspect::Undecided, 5e-4);
+    for n in 1..=3 {
+        story.of_cylinder(100.0, n, Sequential, State::Raised, drift);
+    }
+    // Two more have a fault of their own.
+    story.of_cylinder(
+        100.5,
+        4,
+        Sequential,
+        State::Raised,
+        Finding { suspect: Suspect::C1, ..drift },
+    );
+    let noise = finding(Fault::Noise, Suspect::Undecided, 5e-4);
+    story.of_cylinder(100.9, 5, Sequential, State::Raised, noise);
+    for t in [101.0, 101.1] {
+        story.machine(t);
+    }
+    assert_eq!(story.numbers(Progress::Opened).len(), 5);
+    assert!(story.told.iter().all(|it| it.scope.cylinder().is_some()));
+}
