@@ -109,6 +109,10 @@ fn a_step_that_both_have_in_common_stands() {
     let config = yard.path("config.toml");
     let lesson = yard.simulate("lesson.log", ["1.5,7", "31"], 700, &[]);
     tertius(&["calibrate", &lesson, "--config", &config, "--into", &config]).ok();
+    let text = yard.read("config.toml");
+    let limits = "\n[fde]\ncommand = 0.8\ncommand_change = 0.03 ";
+    assert_eq!(text.matches("\n[fde] ").count(), 1, "{text}");
+    let config = yard.0.write("limited.toml", text.replace("\n[fde] ", limits));
     let steps = |n: u32| {
         ["c1", "c2"].map(|sensor| {
             format!("step,cylinder={n},sensor={sensor},at={},size=0.025", 330 + 10 * n)
@@ -118,7 +122,7 @@ fn a_step_that_both_have_in_common_stands() {
     let faults = faults.iter().flat_map(|it| ["--fault", it]).collect::<Vec<_>>();
     for more in [&["--force"][..], &["--force", "--in-loop"]] {
         let log = yard.simulate("faulty.log", ["1.5,7", "32"], 420, &[&faults[..], more].concat());
-        let run = tertius(&["replay", &log, "--config", &config, "--format", "jsonl"]);
+        let run = tertius(&["replay", &log, "--config", &config, "--format", "jsonl"]).ok();
         let records = run.stdout.lines().map(|it| serde_json::from_str::<Value>(it).expect("JSON"));
         let warnings: Vec<_> =
             records.filter(|it| it["type"] == "warning" && it["detector"] == "fde1").collect();
