@@ -256,6 +256,11 @@ pub fn advice(incident: &Incident, names: &MachineNames) -> String {
             there, the model no longer fits: identify it on a newer recording."
                 .to_owned()
         }
+        (Suspect::Undecided, _) if evidence::stop(incident).is_some() => {
+            "Look at the cylinder's stop and what the rod stands on there, and measure its length. If nothing is wrong \
+             there, check the mounting and the magnet of C1, and have it calibrated."
+                .to_owned()
+        }
         (Suspect::Undecided, _) if incident.is_alone() => {
             "Drive the cylinder to its end stop: if C1 reads another length there than before, it is at fault. \
             Otherwise look at the cylinder, its valve and its supply."

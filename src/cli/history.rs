@@ -4,6 +4,8 @@ use super::Failure;
 use super::machine::Machine;
 use crate::appliance::history::HistoryFile;
 use crate::monitor::Monitor;
+use crate::monitor::cylinder::CylinderDesign;
+use crate::sample::Transducer;
 use crate::sequential::Archive;
 use std::path::Path;
 
@@ -61,8 +63,8 @@ pub fn lack(machine: &Machine) -> Option<String> {
              example stop_states = [\"settled\"] to [sequential]"
         ));
     }
-    let calibrated = machine.design.cylinders.iter().any(|it| it.sequential.is_some());
-    (!calibrated).then(|| {
+    let is_read = |it: &CylinderDesign| it.sequential.is_some() || !it.has(Transducer::C2);
+    (!machine.design.cylinders.iter().any(is_read)).then(|| {
         format!(
             "{name} has no cylinder with `sequential`, the tables of `tertius calibrate`; write them with --into {name}"
         )

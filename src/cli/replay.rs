@@ -298,7 +298,7 @@ impl Replay {
             .chain(doubtful::remarks(monitor.counts()))
             .chain(output.wraps.remarks())
             .collect();
-        let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
+        let histories = monitor.dwells().collect();
         let names = machine.loaded.settings.names();
         let stops = Stops::new(histories, machine.loaded.settings.drift_limits(), &names);
         let summary = Summary {

@@ -65,7 +65,21 @@ impl From<Forecast> for Left {
     }
 }
 
+/// What a finding of an only transducer leaves open.
+pub const OF_STOP: &str = "a stop that has worn by more than usual, or is dented, looks the same";
+
 impl Stop<'_> {
+    /// Transducers that were read, by their place.
+    pub fn fitted(&self) -> impl Iterator<Item = usize> + use<> {
+        let has_c2 = self.history.dwells().first().is_some_and(|it| it.readings.c2.is_some());
+        0..1 + usize::from(has_c2)
+    }
+
+    /// Whether C1 is the only transducer, as far as was read.
+    pub fn is_single(&self) -> bool {
+        self.history.dwells().first().is_some_and(|it| it.readings.c2.is_none())
+    }
+
     /// Trends of C1 and C2, where there are enough dwells.
     fn trends(&self) -> [Option<Trend>; 2] {
         [0, 1].map(|which| self.history.trend(which))
@@ -115,7 +129,7 @@ impl<'a> Stops<'a> {
         let DriftLimits { maintenance, critical } = self.limits;
         let mut rows = Vec::new();
         for stop in self.known() {
-            for (which, trend) in stop.trends().into_iter().enumerate() {
+            for (which, trend) in stop.fitted().map(|which| (which, stop.history.trend(which))) {
                 let dwells = stop.history.dwells().len().to_string();
                 let cylinder = self.names.short(stop.cylinder);
                 let mut row = vec![cylinder, self.called(stop, which), dwells];
@@ -150,8 +164,14 @@ impl<'a> Stops<'a> {
                 .then(|| format!("{whose} of {}", self.names.cylinder(stop.cylinder)))
         };
         let drifting: Vec<String> = self.known().filter_map(drifts).collect();
+        let is_single =
+            |stop: &Stop<'_>| stop.is_single() && stop.judgement.is_some_and(|it| it.names(0));
+        let open = match self.known().any(is_single) {
+            true => format!(" Where C1 is the only transducer, {OF_STOP}."),
+            false => String::new(),
+        };
         match (drifting.is_empty(), self.is_judged()) {
-            (false, _) => format!("The stops show a drift: {}.", drifting.join(", ")),
+            (false, _) => format!("The stops show a drift: {}.{open}", drifting.join(", ")),
             (true, true) => "The stops show no drift.".to_owned(),
             (true, false) => "Too few readings on the stops to detect a drift.".to_owned(),
         }
@@ -257,7 +277,7 @@ fn unsigned_zero(metres: f64, parts: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sequential::Dwell;
+    use crate::sequential::{Dwell, StopReadings};
     use crate::time::Timestamp;
 
     const LIMITS: DriftLimits = DriftLimits { maintenance: 5e-3, critical: 0.05 };
@@ -268,7 +288,8 @@ mod tests {
         for day in 0..days {
             let at = Timestamp::from_nanos(day * 86_400_000_000_000);
             let scatter = 2e-5 * ((day * 5 % 3) as f64 - 1.0);
-            history.add(Dwell { at, readings: [-1.4 + scatter, -1.39 + drift * day as f64] });
+            let readings = [-1.4 + scatter, -1.39 + drift * day as f64];
+            history.add(Dwell { at, readings: StopReadings::both(readings) });
         }
         history
     }
@@ -300,6 +321,34 @@ mod tests {
         assert!((expected - 21.0 / 30.4375).abs() < 0.01, "{left}");
         let none = serde_json::to_value(&lines[0]).expect("numbers");
         assert!(none["months_until_maintenance"].is_null() && none["mm_per_month"].is_number());
+    }
+
+    /// A stop that wears looks the same, and the only transducer has nothing beside it.
+    #[test]
+    fn the_only_transducer_has_a_row_of_its_own_and_its_stop_is_not_forgotten() {
+        let (names, still) = (MachineNames::default(), history(31, 0.0));
+        let single = |drift: f64| {
+            let mut history = DwellHistory::default();
+            for day in 0..31 {
+                let at = Timestamp::from_nanos(day * 86_400_000_000_000);
+                let reading = -1.4 + drift * day as f64 + 2e-5 * ((day * 5 % 3) as f64 - 1.0);
+                history.add(Dwell { at, readings: StopReadings::single(reading) });
+            }
+            history
+        };
+        let (sound, drifting) = (single(0.0), single(-1e-4));
+        let stops = Stops::new(vec![(1, &still), (2, &sound), (3, &drifting)], LIMITS, &names);
+        let rows = stops.rows();
+        let whose: Vec<String> = rows.iter().map(|row| row[..2].join(" ")).collect();
+        assert_eq!(whose, ["1 C1", "1 C2", "2 C1", "3 C1"]);
+        assert_eq!(rows[2][6..], ["no drift seen", "no drift seen"]);
+        assert!(rows[3][6].contains(" to "), "{:?}", rows[3]);
+        assert_eq!(
+            stops.verdict(),
+            "The stops show a drift: C1 of cylinder 3. Where C1 is the only transducer, a stop that has worn by more than \
+             usual, or is dented, looks the same."
+        );
+        assert_eq!(stops.lines().len(), 4);
     }
 
     #[test]

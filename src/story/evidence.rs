@@ -46,6 +46,10 @@ fn conclusion(incident: &Incident) -> String {
         }
         _ => {}
     }
+    if stop(incident).is_some() && incident.suspect == Suspect::Undecided {
+        return "so it is C1 or its stop: one that has worn by more than usual, or is dented, looks the same"
+            .to_owned();
+    }
     let by_observer = incident.part(WarningPlace::Fde1).is_some()
         && incident.part(WarningPlace::PlausibilityOfC1).is_none()
         && incident.part(WarningPlace::Hexapod).is_none();
@@ -92,8 +96,10 @@ fn observed(incident: &Incident) -> Vec<Observation> {
         (WarningPlace::Process, "what valve, pressures and rod say of each other"),
     ];
     for (place, what) in weighed {
-        observed.extend(incident.part(place).map(|part| sampled(part, what)));
+        let part = incident.part(place).filter(|part| !is_of_stop(incident, part));
+        observed.extend(part.map(|part| sampled(part, what)));
     }
+    observed.extend(stop(incident).map(stood));
     // Beside a sequential detector it is no observation of its own, and what it testifies comes last.
     if incident.is_alone() {
         observed.extend(incident.part(WarningPlace::Hexapod).map(tilted));
@@ -165,6 +171,21 @@ fn risen(incident: &Incident) -> Vec<Observation> {
 
 fn departs(part: &Part) -> bool {
     part.finding.evidence.is_some_and(|it| it.by == Some(Testimony::Way))
+}
+
+/// What the stop has found of an only transducer.
+pub(super) fn stop(incident: &Incident) -> Option<&Part> {
+    incident.part(WarningPlace::Sequential).filter(|part| is_of_stop(incident, part))
+}
+
+fn is_of_stop(incident: &Incident, part: &Part) -> bool {
+    incident.is_alone() && part.finding.is_of_stop()
+}
+
+fn stood(part: &Part) -> Observation {
+    let moved = millimetres(part.finding.residual.unwrap_or_default().abs());
+    let clause = format!("on its stop C1 read {moved} beside what it read there before");
+    Observation::new(part.raised, clause)
 }
 
 /// What both readings have jumped by together, which is latched.

@@ -352,3 +352,19 @@ fn evidence_tells_why_it_is_not_known_which() {
     );
     assert!(open.ends_with("; so it is not known which of the two is faulty"), "{open}");
 }
+
+#[test]
+fn what_the_stop_says_of_a_single_transducer_may_be_the_stop() {
+    let of_stop = finding(Suspect::Undecided, Some(Testimony::Stop));
+    let evidence_of = Evidence { fault: 0.0, location: None, ..of_stop.evidence.expect("some") };
+    let of_stop = Finding { residual: Some(-1.31e-3), evidence: Some(evidence_of), ..of_stop };
+    let incident = alone_by(WarningPlace::Sequential, of_stop, 0.2e-3);
+    let expected = "on its stop C1 read 1.31 mm beside what it read there before; C1's observer stayed quiet (0.20 mm of \
+                    1.00 mm); so it is C1 or its stop: one that has worn by more than usual, or is dented, looks the same";
+    assert_eq!(evidence(&incident), expected);
+    let told = advice(&incident, &MachineNames::default());
+    assert!(
+        told.starts_with("Look at the cylinder's stop") && told.contains("magnet of C1"),
+        "{told}"
+    );
+}

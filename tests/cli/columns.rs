@@ -426,7 +426,8 @@ fn dwells_and_trends_are_those_of_the_monitor_and_of_the_summary() {
         .0
         .iter()
         .map(|(cylinder, dwell)| {
-            let [c1, c2] = dwell.readings.map(|it| serde_json::to_string(&it).expect("a number"));
+            let [c1, c2] =
+                dwell.readings.each().map(|it| serde_json::to_string(&it).expect("a number"));
             [dwell.at.as_nanos().to_string(), cylinder.to_string(), c1, c2]
         })
         .collect();

@@ -46,7 +46,7 @@ fn play(monitor: &mut Monitor, days: std::ops::Range<u16>) -> Heard {
 }
 
 fn judged(monitor: &Monitor) -> Vec<Option<Judgement>> {
-    stops::judge(monitor.sequential().map(|(_, detector)| detector.dwells()))
+    stops::judge(monitor.dwells().map(|(_, dwells)| dwells))
 }
 
 fn kept(monitor: &Monitor) -> Archive {
@@ -71,7 +71,7 @@ fn a_drift_that_began_before_a_restart_is_blamed_after_it() {
         let expected = if cylinder == DRIFTING { Blame::C1 } else { Blame::Neither };
         assert_eq!(judgement.blame, expected, "{cylinder}: {judgement:?}");
     }
-    let by = judged[2].expect("there is a history").moved[0];
+    let by = judged[2].expect("there is a history").moved.c1;
     let moved = f64::from(6 * STEP) * COUNT;
     assert!((0.5 * moved..1.1 * moved).contains(&by), "since the first visits: {by} of {moved}");
 
@@ -192,7 +192,7 @@ fn what_is_no_history_is_set_aside_live_and_left_alone_in_replays() {
     let whole = scratch.read("kept.dwells");
     for (n, (damaged, told)) in [
         (whole[..whole.len() / 2].to_owned(), "it was changed or truncated"),
-        (whole.replacen("dwells 2", "dwells 3", 1), "a newer one wrote it"),
+        (whole.replacen("dwells 2", "dwells 4", 1), "a newer one wrote it"),
     ]
     .into_iter()
     .enumerate()

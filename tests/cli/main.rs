@@ -14,6 +14,7 @@ mod coverage;
 mod demo;
 mod doctor;
 mod dwell_history;
+mod dwell_single;
 mod eds_command;
 mod fleet;
 mod fleet_run;

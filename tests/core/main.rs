@@ -51,6 +51,7 @@ mod sequential;
 mod sequential_healthy;
 mod sequential_scale;
 mod sequential_support;
+mod single_stops;
 mod stops;
 mod survey;
 mod trc;

@@ -162,14 +162,14 @@ fn the_stop_tells_which_transducer_has_drifted() {
     let (_, last) = heard.of(3, 400.0).expect("the drift is found");
     assert_eq!(last.finding.suspect, Suspect::C1, "{}", heard.told());
     assert!(heard.warnings.iter().all(|warning| warning.cylinder == 3), "{}", heard.told());
-    let judged = stops::judge(monitor.sequential().map(|(_, detector)| detector.dwells()));
+    let judged = stops::judge(monitor.dwells().map(|(_, dwells)| dwells));
     let blame = |judged: &Option<Judgement>| judged.map_or(Blame::Neither, |it| it.blame);
     let blames: Vec<Blame> = judged.iter().map(blame).collect();
     let mut expected = [Blame::Neither; 6];
     expected[2] = Blame::C1;
     assert_eq!(blames, expected);
-    let (_, detector) = monitor.sequential().find(|(n, _)| *n == 3).expect("it has one");
-    let trend = detector.dwells().trend(0).expect("there is a history");
+    let (_, dwells) = monitor.dwells().find(|(n, _)| *n == 3).expect("it has one");
+    let trend = dwells.trend(0).expect("there is a history");
     assert!(trend.per_month > 10.0 * trend.error, "{trend:?}");
 }
 

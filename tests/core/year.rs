@@ -1,9 +1,9 @@
 //! A machine whose rods stand on their stops now and then: temperature, stops that wear, transducers that
-//! repeat and are rounded to counts, and one that drifts. In millimetres and years.
+//! repeat and are rounded to counts, and one that drifts. In millimetres and years. Cylinders may have C1 alone.
 
 use std::f64::consts::TAU;
 use tertius::sequential::stops::{self, Blame, Judgement};
-use tertius::sequential::{Dwell, DwellHistory, Gauging};
+use tertius::sequential::{Dwell, DwellHistory, Gauging, StopReadings};
 use tertius::time::Timestamp;
 
 pub const CYLINDERS: usize = 6;
@@ -83,6 +83,8 @@ pub struct Machine {
     temperature: Temperature,
     random: Random,
     cylinders: Vec<Cylinder>,
+    /// So many cylinders, the first ones, have C1 alone.
+    singles: usize,
     pub histories: Vec<DwellHistory>,
 }
 
@@ -98,7 +100,17 @@ impl Machine {
         let cylinders: Vec<Cylinder> = (0..CYLINDERS).map(&mut cylinder).collect();
         let mut history = DwellHistory::default();
         history.gauge(Gauging { count: grade.count() * 1e-3, corrected: Some([1.0, 0.0]) });
-        Self { grade, temperature, random, cylinders, histories: vec![history; CYLINDERS] }
+        let histories = vec![history; CYLINDERS];
+        Self { grade, temperature, random, cylinders, singles: 0, histories }
+    }
+
+    /// The machine of so many `cylinders`, of which the first `singles` have C1 alone. Nothing has told the resolution
+    /// of those.
+    pub fn of(mut self, cylinders: usize, singles: usize) -> Self {
+        self.singles = singles;
+        self.histories.truncate(cylinders);
+        self.histories.iter_mut().take(singles).for_each(|it| *it = DwellHistory::default());
+        self
     }
 
     /// Half of all, by chance.
@@ -112,7 +124,7 @@ impl Machine {
         let hour = 0.3 * self.random.uniform();
         let day = (TAU * self.random.uniform()).sin();
         let at = Timestamp::from_nanos(((BEGIN + clock * DAYS + hour) * 86_400e9) as i64);
-        let Self { random, cylinders, histories, .. } = self;
+        let Self { random, cylinders, histories, singles, .. } = self;
         let common = cylinders[0].phase;
         for (n, (it, history)) in cylinders.iter().zip(histories).enumerate() {
             let (phase, day) = match self.temperature {
@@ -126,7 +138,8 @@ impl Machine {
                 let length = rod + it.gains[which] * warmth + it.offsets[which];
                 1e-3 * rounded(length + moved(n, which) + scatter, self.grade.count())
             });
-            history.add(Dwell { at, readings });
+            let c2 = Some(readings[1]).filter(|_| n >= *singles);
+            history.add(Dwell { at, readings: StopReadings { c1: readings[0], c2 } });
         }
     }
 

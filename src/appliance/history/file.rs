@@ -74,7 +74,7 @@ impl HistoryFile {
 mod tests {
     use super::*;
     use crate::appliance::aside::ASIDE;
-    use crate::sequential::Dwell;
+    use crate::sequential::{Dwell, StopReadings};
     use crate::time::Timestamp;
 
     const NAME: &str = "a machine";
@@ -82,7 +82,8 @@ mod tests {
     fn archive(count: i64) -> Archive {
         let mut archive = Archive::new(NAME, 2);
         for k in 0..count {
-            let dwell = Dwell { at: Timestamp::from_nanos(k), readings: [0.1, 0.2] };
+            let dwell =
+                Dwell { at: Timestamp::from_nanos(k), readings: StopReadings::both([0.1, 0.2]) };
             archive.cylinders[0].add(dwell);
         }
         archive

@@ -158,7 +158,8 @@ pub struct ActEntry {
 pub struct StopEntry {
     pub at_s: f64,
     pub c1_m: f64,
-    pub c2_m: f64,
+    /// `null` where the cylinder has no C2.
+    pub c2_m: Option<f64>,
 }
 
 /// A residual in an hour.

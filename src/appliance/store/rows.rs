@@ -44,7 +44,7 @@ impl Rows<'_> {
             Note::Dwell(cylinder, dwell) => {
                 self.step.execute(
                     "INSERT INTO stops (at_ns, cylinder, c1_m, c2_m) VALUES (?, ?, ?, ?)",
-                    params![dwell.at.as_nanos(), cylinder, dwell.readings[0], dwell.readings[1]],
+                    params![dwell.at.as_nanos(), cylinder, dwell.readings.c1, dwell.readings.c2],
                 )?;
             }
             Note::Notice(notice) => {

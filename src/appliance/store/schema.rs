@@ -21,7 +21,7 @@ const SETTINGS: &str = "PRAGMA cache_size = -1024; PRAGMA synchronous = FULL; \
 
 /// SQL that turns each version into the next; version 0 is an empty file. What has been released is never
 /// changed: another version follows.
-pub const MIGRATIONS: [&str; 3] = [V1, V2, V3];
+pub const MIGRATIONS: [&str; 4] = [V1, V2, V3, V4];
 
 /// Times are nanoseconds since 1970, of frames where a frame is behind it, otherwise of the system. Lengths are
 /// metres. An incident has the number of its event.
@@ -128,6 +128,18 @@ END;
 const V3: &str = "
 ALTER TABLE incidents ADD COLUMN named_ns INTEGER;
 ALTER TABLE incidents ADD COLUMN named_by_its_end INTEGER;
+";
+
+/// A cylinder with one transducer has no reading of C2 on its stop.
+const V4: &str = "
+CREATE TABLE stops_of_any (
+    id INTEGER PRIMARY KEY, at_ns INTEGER NOT NULL, cylinder INTEGER NOT NULL,
+    c1_m REAL NOT NULL, c2_m REAL
+) STRICT;
+INSERT INTO stops_of_any SELECT id, at_ns, cylinder, c1_m, c2_m FROM stops;
+DROP TABLE stops;
+ALTER TABLE stops_of_any RENAME TO stops;
+CREATE INDEX stops_of_cylinder ON stops (cylinder, id);
 ";
 
 /// Opens the database at `path` to write, makes it where there is none, and brings an older one up to date. It
@@ -258,6 +270,26 @@ mod tests {
         // What the older program then makes of it.
         let refused = version(&database, &steps[..1]);
         assert!(matches!(refused, Err(Trouble::Newer { found: 2, known: 1 })), "{refused:?}");
+    }
+
+    #[test]
+    fn readings_on_the_stop_are_kept_where_c2_may_be_missing() {
+        let mut database = Connection::open_in_memory().expect("memory");
+        migrate(&mut database, &MIGRATIONS[..3]).expect("it is new");
+        let insert = |database: &Connection, row: &str| {
+            database.execute_batch(&format!("INSERT INTO stops VALUES ({row})"))
+        };
+        insert(&database, "7, 1, 2, 0.25, 0.5").expect("a pair");
+        insert(&database, "8, 1, 2, 0.25, NULL").expect_err("there was always a C2");
+        migrate(&mut database, &MIGRATIONS).expect("one step more");
+        insert(&database, "8, 1, 2, 0.25, NULL").expect("a cylinder with one transducer");
+        let mut rows = database.prepare("SELECT c2_m FROM stops ORDER BY id").expect("it is there");
+        let found: Vec<Option<f64>> = rows
+            .query_map([], |row| row.get(0))
+            .expect("rows")
+            .map(|it| it.expect("one"))
+            .collect();
+        assert_eq!(found, [Some(0.5), None]);
     }
 
     #[test]

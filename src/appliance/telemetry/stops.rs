@@ -113,7 +113,7 @@ mod tests {
     use super::super::clock::SystemClock;
     use super::super::exposition::exposition;
     use super::*;
-    use crate::sequential::Dwell;
+    use crate::sequential::{Dwell, StopReadings};
     use crate::time::Timestamp;
     use std::sync::Arc;
     use std::time::Duration;
@@ -124,7 +124,10 @@ mod tests {
         for day in 0..days {
             let at = Timestamp::from_nanos(day * 86_400_000_000_000);
             for (history, drift) in archive.cylinders.iter_mut().zip([0.0, 1e-4]) {
-                history.add(Dwell { at, readings: [-1.4, -1.39 + drift * day as f64] });
+                history.add(Dwell {
+                    at,
+                    readings: StopReadings::both([-1.4, -1.39 + drift * day as f64]),
+                });
             }
         }
         archive

@@ -72,6 +72,9 @@ fn judged(machine: &Machine, n: u8) -> String {
         false => "  C2        not fitted, so nothing is compared: no FDE2, no FDE3, no sequential detector\n"
             .to_owned(),
     };
+    if !has_c2 && settings.sequential.stop_states.is_some() {
+        text += "  stop      C1 is compared with what it read there before, day by day\n";
+    }
     if let Some(process) = process(machine, n) {
         text += &format!("  process   {process}\n");
     }

@@ -222,8 +222,8 @@ impl TableRow for DwellRow {
         "t", "s", Number, "the same since the first frame of all", |it| seconds(it.dwell.at.since(it.begin));
         "cylinder", "", Count, "from 1", |it| Some(it.cylinder.into());
         "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
-        "c1", "m", Number, "mean reading of C1", |it| Some(it.dwell.readings[0]);
-        "c2", "m", Number, "mean reading of C2", |it| Some(it.dwell.readings[1]);
+        "c1", "m", Number, "mean reading of C1", |it| Some(it.dwell.readings.c1);
+        "c2", "m", Number, "mean reading of C2, if the cylinder has it", |it| it.dwell.readings.c2;
     };
 
     fn at(&self) -> Timestamp {

@@ -4,7 +4,7 @@ use super::Page;
 use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel};
 use super::palette;
-use crate::report::stops::{Stop, Stops, TRANSDUCERS, sentence};
+use crate::report::stops::{OF_STOP, Stop, Stops, TRANSDUCERS, sentence};
 use crate::report::wording;
 use crate::sequential::Dwell;
 
@@ -31,6 +31,12 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
         that has moved as soon as that is clear, and with the expected, earliest and latest time \
         left.",
     );
+    if stops.stops.iter().any(Stop::is_single) {
+        page.paragraph(&format!(
+            "An only transducer is compared with what it read there before, less that temperature and what stops wear: \
+             {OF_STOP}."
+        ));
+    }
     page.table(&stops.columns(), &stops.rows());
     let figures: Vec<(Figure, String)> =
         stops.stops.iter().filter_map(|stop| figure(stop, stops)).collect();
@@ -47,12 +53,14 @@ fn figure(stop: &Stop<'_>, stops: &Stops<'_>) -> Option<(Figure, String)> {
     let cylinder = wording::capitalised(&stops.names.cylinder(stop.cylinder));
     let mut caption = format!("{cylinder}: readings on the stop");
     let mut curves = Vec::new();
-    for (which, colour) in [palette::BLUE, palette::VERMILION].into_iter().enumerate() {
+    for (which, colour) in stop.fitted().zip([palette::BLUE, palette::VERMILION]) {
         let (trend, name) = (history.trend(which)?, TRANSDUCERS[which]);
-        let reference = newest.readings[which] - trend.moved;
-        let point =
-            |dwell: &Dwell| (seconds(dwell) / unit, (dwell.readings[which] - reference) * 1e3);
-        let points: Vec<(f64, f64)> = history.dwells().iter().map(point).collect();
+        let reference = newest.readings.each()[which]? - trend.moved;
+        let point = |dwell: &Dwell| {
+            let reading = dwell.readings.each()[which]?;
+            Some((seconds(dwell) / unit, (reading - reference) * 1e3))
+        };
+        let points: Vec<(f64, f64)> = history.dwells().iter().filter_map(point).collect();
         curves.push(Curve::line(name, colour, points.clone()));
         curves.push(Curve::dots(name, colour, points));
         caption +=

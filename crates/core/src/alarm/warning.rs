@@ -78,6 +78,11 @@ impl Finding {
         self.evidence?.size
     }
 
+    /// Whether readings on the mechanical stop are what shows it.
+    pub fn is_of_stop(&self) -> bool {
+        self.evidence.is_some_and(|it| it.by == Some(Testimony::Stop))
+    }
+
     /// Whether `other` means the same to a person; numbers, which change all the time, are not compared, but whether
     /// they are known.
     pub fn says_as(&self, other: &Self) -> bool {

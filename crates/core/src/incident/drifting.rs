@@ -10,9 +10,10 @@ use crate::alarm::detector::{DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Warning};
 use crate::verdict::{Fault, Suspect};
 
-/// Whether `warning` is of a slow difference for which no transducer is suspected.
+/// Whether `warning` is of a slow difference of C1 and C2.
 pub(super) fn is_of_drift(warning: &Warning) -> bool {
-    warning.detector == Detector::Sequential && warning.finding.fault == Fault::Incipient
+    let Warning { detector, finding, .. } = warning;
+    *detector == Detector::Sequential && finding.fault == Fault::Incipient && !finding.is_of_stop()
 }
 
 impl Open {
@@ -29,7 +30,7 @@ impl Open {
             && incident.suspect == Suspect::Undecided
             && incident.gain.is_none()
             && is_only
-            && seen.is_some_and(|part| part.stands)
+            && seen.is_some_and(|part| part.stands && !part.finding.is_of_stop())
             && shared.is_none_or(|it| it == Cause::Drift)
     }
 }

@@ -15,6 +15,7 @@ mod last;
 mod losing;
 mod precedence;
 mod saved;
+mod stopped;
 mod tally;
 mod telling;
 mod tilted;
@@ -46,6 +47,7 @@ pub use design::CylinderDesign;
 use devices::Watches;
 use last::LastOne;
 use precedence::Precedence;
+use stopped::{OnStop, StopDrift};
 pub use tally::Tally;
 pub use telling::Evaluated;
 use tilted::Tilted;
@@ -105,6 +107,10 @@ pub struct Cylinder {
     reckoning: Option<Box<DeadReckoning>>,
     /// What the deck's attitude finds of the only transducer.
     tilted: Option<Tilted>,
+    /// `None` where the readings on the stop are not judged.
+    on_stop: Option<Box<OnStop>>,
+    /// What the stop finds of the only transducer.
+    drifted: Option<StopDrift>,
     /// Virtual sensor; `None` where its estimates are not needed.
     sensor: Option<Box<VirtualSensor>>,
     estimated: Option<Estimate>,
@@ -155,6 +161,8 @@ impl Cylinder {
             last: LastOne::default(),
             reckoning: DeadReckoning::of(&design).map(Box::new),
             tilted: None,
+            on_stop: OnStop::of(design.sequential.is_some(), design.has(Transducer::C2)),
+            drifted: None,
             sensor: None,
             estimated: None,
             critical: design.trip(),
@@ -262,6 +270,7 @@ impl Cylinder {
         let difference = good[0]
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
+        self.rest(now, good);
         if self.sequential.is_some() {
             self.judge_sequentially(now, good);
         }
@@ -286,7 +295,7 @@ impl Cylinder {
         if !self.blanks.goes_on(self.judged) {
             self.note_blank(now);
         }
-        self.is_busy = self.is_watched | finds;
+        self.is_busy = self.is_watched | finds | self.drifted.is_some();
         if self.is_busy {
             self.note_quantities(&residuals);
         }

@@ -1,7 +1,8 @@
 //! The history of dwells, which one monitor saves and the next one of the same machine restores.
 
 use super::Monitor;
-use crate::sequential::{Archive, stops};
+use super::cylinder::Cylinder;
+use crate::sequential::{Archive, DwellHistory, stops};
 use crate::time::Timestamp;
 
 impl Monitor {
@@ -12,11 +13,16 @@ impl Monitor {
         }
     }
 
-    /// Saves the dwells in `archive`. The dwells there of a cylinder without a detector stay.
+    /// Cylinder number and readings on the stop of each cylinder that keeps them.
+    pub fn dwells(&self) -> impl Iterator<Item = (u8, &DwellHistory)> {
+        self.cylinders.iter().filter_map(Cylinder::dwells)
+    }
+
+    /// Saves the dwells in `archive`. The dwells there of a cylinder that keeps none stay.
     pub fn save(&self, archive: &mut Archive) {
-        for (n, sequential) in self.sequential() {
+        for (n, dwells) in self.dwells() {
             if let Some(place) = archive.cylinders.get_mut(usize::from(n).wrapping_sub(1)) {
-                place.clone_from(sequential.dwells());
+                place.clone_from(dwells);
             }
         }
     }
@@ -24,8 +30,8 @@ impl Monitor {
     /// Judges every cylinder after a rod was read on its stop. The others serve as the thermometer,
     /// so each is judged again with each reading.
     pub(super) fn judge_stops(&mut self, at: Timestamp) {
-        let judged = stops::judge(self.sequential().map(|(_, sequential)| sequential.dwells()));
-        let known = self.cylinders.iter_mut().filter(|cylinder| cylinder.sequential().is_some());
+        let judged = stops::judge(self.dwells().map(|(_, dwells)| dwells));
+        let known = self.cylinders.iter_mut().filter(|cylinder| cylinder.dwells().is_some());
         for (cylinder, judgement) in known.zip(judged) {
             if let Some(judgement) = judgement {
                 cylinder.judge_stop(at, &judgement);

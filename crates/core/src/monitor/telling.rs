@@ -46,7 +46,7 @@ impl Monitor {
     /// Passes on what there is to tell of the cylinder of `index` in a cycle.
     #[cold]
     pub(super) fn tell(&mut self, index: usize, now: Evaluation, sink: &mut impl Sink) {
-        if self.cylinders[index].finds_anything() || self.register.any(index) {
+        if self.cylinders[index].has_findings() || self.register.any(index) {
             self.warn(index, now.at, sink);
         }
         if self.cylinders[index].is_watched {

@@ -12,11 +12,13 @@
 //! The line of a dwell has its time, ns since 1970, the readings of C1 and C2, m, in the shortest
 //! form that reads back the same, and the number of dwells of which it is the mean. `count` is the
 //! resolution of the readings, m; `gain` and `offset` are a and b of (5-20), left out where they
-//! are not known. Version 1 had `cylinder 1 anchors 10 dwells 20` instead, no means, and up to 512
+//! are not known. In version 3 a dwell of a cylinder with one transducer has `-` for the reading of
+//! C2; a machine without such a cylinder is written as version 2, which earlier programs read.
+//! Version 1 had `cylinder 1 anchors 10 dwells 20` instead, no means, and up to 512
 //! dwells; it can also be read. The checksum in the last line covers all bytes before it, because a
 //! reading with a wrong digit would blame a sound transducer.
 
-use super::dwell::Dwell;
+use super::dwell::{Dwell, StopReadings};
 use super::history::{DwellHistory, Flaw, Gauging, MOST_READ};
 use crate::time::Timestamp;
 use alloc::borrow::ToOwned;
@@ -29,10 +31,16 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use thiserror::Error;
 
 /// Of the form above; a newer one may mean anything.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
-/// The one before, which is read as well.
+/// The one before, in which each dwell has a reading of C2.
+const PAIRS_VERSION: u32 = 2;
+
+/// The first one, which is read as well.
 const FIRST_VERSION: u32 = 1;
+
+/// The reading of a C2 that is not fitted.
+const NO_READING: &str = "-";
 
 /// The longest text that is one, bytes: six full cylinders have a quarter of it.
 pub const MAX_SIZE: usize = 1 << 20;
@@ -91,7 +99,10 @@ impl Archive {
 
     /// The text to write.
     pub fn to_text(&self) -> String {
-        let mut text = format!("tertius dwells {VERSION}\nmachine {}\n", self.machine);
+        let mut dwells = self.cylinders.iter().flat_map(DwellHistory::dwells);
+        let is_single = dwells.any(|dwell| dwell.readings.c2.is_none());
+        let version = if is_single { VERSION } else { PAIRS_VERSION };
+        let mut text = format!("tertius dwells {version}\nmachine {}\n", self.machine);
         for (n, history) in (1..).zip(&self.cylinders) {
             let (dwells, Gauging { count, corrected }) = (history.dwells(), history.gauging());
             // Writing to a string cannot fail.
@@ -100,8 +111,9 @@ impl Archive {
                 _ = write!(text, " gain {gain:?} offset {offset:?}");
             }
             text.push('\n');
-            for (Dwell { at, readings: [c1, c2] }, of) in dwells.iter().zip(history.counts()) {
-                _ = writeln!(text, "{} {c1:?} {c2:?} {of}", at.as_nanos());
+            for (Dwell { at, readings }, of) in dwells.iter().zip(history.counts()) {
+                let c2 = readings.c2.map_or(NO_READING.to_owned(), |c2| format!("{c2:?}"));
+                _ = writeln!(text, "{} {:?} {c2} {of}", at.as_nanos(), readings.c1);
             }
         }
         let seal = seal(&text);
@@ -201,7 +213,8 @@ impl<'a> Lines<'a> {
             let line = self.next();
             let wrong = || {
                 let of = if version == FIRST_VERSION { "" } else { ", and of how many dwells" };
-                self.wrong(line, &format!("a time in ns and two readings in m{of}"))
+                let none = if version == VERSION { ", `-` for no C2" } else { "" };
+                self.wrong(line, &format!("a time in ns and two readings in m{none}{of}"))
             };
             let (dwell, of) = dwell(line, version).ok_or_else(wrong)?;
             dwells.push(dwell);
@@ -246,7 +259,12 @@ fn first_heading(line: &str) -> Option<(usize, usize, Gauging)> {
 fn dwell(line: &str, version: u32) -> Option<(Dwell, u32)> {
     let mut words = line.split(' ');
     let at = Timestamp::from_nanos(words.next()?.parse().ok()?);
-    let readings = [words.next()?.parse().ok()?, words.next()?.parse().ok()?];
+    let c1 = words.next()?.parse().ok()?;
+    let c2 = match words.next()? {
+        NO_READING if version == VERSION => None,
+        word => Some(word.parse().ok()?),
+    };
+    let readings = StopReadings { c1, c2 };
     let of = if version == FIRST_VERSION { 1 } else { words.next()?.parse().ok()? };
     words.next().is_none().then_some((Dwell { at, readings }, of))
 }

@@ -9,9 +9,7 @@ use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Loss, Slow};
 use super::clip::Clipping;
 use super::coverage::Unknown;
-use super::dwell::{Dwell, Dwelling};
 use super::excursions::{ExcursionLimits, Excursions};
-use super::history::DwellHistory;
 use super::noise::Noise;
 use super::pair::{Pair, PairDesign};
 use super::parameters::{SequentialCycles, SequentialParameters};
@@ -74,8 +72,6 @@ pub struct Input {
     pub monitored: bool,
     /// Opening of the cycle.
     pub at: Timestamp,
-    /// Whether the rods stand on their mechanical stops.
-    pub at_stop: bool,
 }
 
 /// The sequential detector of one cylinder.
@@ -113,10 +109,6 @@ pub struct Sequential {
     residual: Option<f64>,
     peaks: [Peak; 2],
     alarm: Option<Alarm>,
-    dwelling: Dwelling,
-    dwells: DwellHistory,
-    /// Dwell of the newest cycle.
-    dwelt: Option<Dwell>,
 }
 
 impl Sequential {
@@ -158,9 +150,6 @@ impl Sequential {
             residual: None,
             peaks: [Peak::default(); 2],
             alarm: None,
-            dwelling: Dwelling::default(),
-            dwells: DwellHistory::default(),
-            dwelt: None,
             design,
         }
     }
@@ -209,11 +198,6 @@ impl Sequential {
         self.alarm.as_ref()
     }
 
-    /// Reading on the stop in the newest cycle, returned once.
-    pub const fn take_dwell(&mut self) -> Option<Dwell> {
-        self.dwelt.take()
-    }
-
     /// Restarts what was learnt of the motion, after a time jump or lost frames.
     pub fn interrupt(&mut self) {
         // As with R3, the side does not outlast a time of which nothing is known.
@@ -223,7 +207,6 @@ impl Sequential {
         self.stop();
         self.loss.begin();
         self.skew.reset();
-        self.dwelling = Dwelling::default();
     }
 
     /// Stops judging for a while; later cycles are judged against what was learnt before.
@@ -240,10 +223,6 @@ impl Sequential {
     /// Takes one cycle. If the standing alarm has changed or ended, [`Self::alarm`] shows it.
     #[inline(always)]
     pub fn step(&mut self, input: &Input) {
-        if let Some(dwell) = self.dwelling.step(input.at, input.at_stop, input.lengths) {
-            self.dwells.add(dwell);
-            self.dwelt = Some(dwell);
-        }
         self.residual = None;
         if !input.monitored {
             if core::mem::take(&mut self.was_monitored) {
@@ -346,18 +325,17 @@ impl Sequential {
     /// machine moves, its controller follows a drifting C1. `judgement` is made from all dwells of
     /// the machine up to `at`.
     pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
-        let [one, two] = judgement.moved;
-        let (suspect, size) = match judgement.blame {
-            Blame::C1 => (Suspect::C1, one),
-            Blame::C2 => (Suspect::C2, two),
-            Blame::Neither => {
+        let (suspect, size) = match (judgement.blame, judgement.moved.c2) {
+            (Blame::C1, _) => (Suspect::C1, judgement.moved.c1),
+            (Blame::C2, Some(c2)) => (Suspect::C2, c2),
+            (Blame::Neither, _) => {
                 // What the stop found is over when the stop says so.
                 if self.alarm.is_some_and(|alarm| alarm.cause == Cause::Dwell) {
                     self.end();
                 }
                 return;
             }
-            Blame::Both | Blame::Undecided => return,
+            (Blame::C2 | Blame::Both | Blame::Undecided, _) => return,
         };
         match &mut self.alarm {
             // No evidence of innovations decides against it.
@@ -395,6 +373,5 @@ impl Sequential {
     }
 }
 
-mod memory;
 #[cfg(test)]
 mod tests;

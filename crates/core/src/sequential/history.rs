@@ -62,6 +62,8 @@ pub enum Flaw {
     Count,
     #[error("readings within {LONGEST} m")]
     Reading,
+    #[error("readings of C2 in all of them, or in none")]
+    Kind,
     #[error("each dwell later than the one before")]
     Order,
     #[error("a count and a calibration that are numbers")]
@@ -105,6 +107,8 @@ impl DwellHistory {
             Some(Flaw::Count)
         } else if !dwells.iter().all(is_sound) {
             Some(Flaw::Reading)
+        } else if !dwells.windows(2).all(|pair| is_alike(&pair[0], &pair[1])) {
+            Some(Flaw::Kind)
         } else if !dwells.is_sorted_by(|one, next| one.at < next.at) {
             Some(Flaw::Order)
         } else if !sound || !corrected.iter().flatten().all(|number| number.is_finite()) {
@@ -117,15 +121,21 @@ impl DwellHistory {
     /// Sets the `gauging` of further readings. If C2 is corrected differently than before, a
     /// transducer was replaced or adjusted, and the earlier dwells cannot be compared.
     pub fn gauge(&mut self, gauging: Gauging) {
-        if let Some((newest, (before, now))) =
-            self.dwells.last().zip(self.gauging.corrected.zip(gauging.corrected))
+        let newest = self.dwells.last().and_then(|newest| newest.readings.c2);
+        if let Some((c2, (before, now))) = newest.zip(self.gauging.corrected.zip(gauging.corrected))
         {
-            let corrected = |[gain, offset]: [f64; 2]| gain * newest.readings[1] + offset;
+            let corrected = |[gain, offset]: [f64; 2]| gain * c2 + offset;
             if (corrected(before) - corrected(now)).abs() > P.adjusted {
                 *self = Self::default();
             }
         }
         self.gauging = gauging;
+    }
+
+    /// Takes that the cylinder has C1 alone: what it read beside a C2 stays comparable.
+    pub fn keep_c1(&mut self) {
+        self.dwells.iter_mut().for_each(|dwell| dwell.readings.c2 = None);
+        self.gauging.corrected = None;
     }
 
     /// Takes a dwell, and returns whether it is a new one: the same one again is not kept. One that
@@ -134,6 +144,10 @@ impl DwellHistory {
     pub fn add(&mut self, dwell: Dwell) -> bool {
         if !is_sound(&dwell) || self.knows(dwell.at) {
             return false;
+        }
+        if self.dwells.last().is_some_and(|newest| !is_alike(newest, &dwell)) {
+            // C2 was fitted since: what C1 read without it tells nothing of their difference.
+            (self.dwells, self.counts) = Default::default();
         }
         if !self.follow_clock(dwell.at) {
             return false;
@@ -215,9 +229,7 @@ impl DwellHistory {
         let share = f64::from(more) / f64::from(count);
         let one = &mut self.dwells[place];
         one.at = one.at.after(Span::from_seconds(share * next.at.since(one.at).as_seconds()));
-        for (reading, next) in one.readings.iter_mut().zip(next.readings) {
-            *reading += share * (next - *reading);
-        }
+        one.readings = one.readings.mixed(next.readings, share);
         self.counts[place] = count;
     }
 
@@ -243,19 +255,25 @@ const fn day(at: Timestamp) -> i64 {
 }
 
 fn is_sound(dwell: &Dwell) -> bool {
-    dwell.readings.iter().all(|reading| reading.abs() <= LONGEST)
+    dwell.readings.each().into_iter().flatten().all(|reading| reading.abs() <= LONGEST)
+}
+
+/// Whether both are of the same transducers.
+const fn is_alike(one: &Dwell, other: &Dwell) -> bool {
+    one.readings.c2.is_some() == other.readings.c2.is_some()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequential::dwell::StopReadings;
 
     fn at(day: f64) -> Timestamp {
         Timestamp::from_nanos((day * DAY as f64) as i64)
     }
 
     fn dwell(day: f64) -> Dwell {
-        Dwell { at: at(day), readings: [1e-3 * day, -1.4] }
+        Dwell { at: at(day), readings: StopReadings::both([1e-3 * day, -1.4]) }
     }
 
     fn history(days: impl IntoIterator<Item = f64>) -> DwellHistory {
@@ -274,7 +292,7 @@ mod tests {
         let mut kept = history([10.0, 11.0, 12.0]);
         let before = kept.clone();
         assert!([10.0, 11.0, 12.0].iter().all(|day| !kept.add(dwell(*day))));
-        assert!(!kept.add(Dwell { at: at(13.0), readings: [f64::NAN, 0.0] }));
+        assert!(!kept.add(Dwell { at: at(13.0), readings: StopReadings::both([f64::NAN, 0.0]) }));
         assert_eq!(kept, before);
     }
 
@@ -312,6 +330,20 @@ mod tests {
     }
 
     #[test]
+    fn a_c2_that_is_taken_off_leaves_c1_its_history_and_one_that_is_fitted_begins_anew() {
+        let mut kept = history([1.0, 2.0]);
+        kept.gauge(Gauging { count: 1e-4, corrected: Some([1.0, 2e-3]) });
+        kept.keep_c1();
+        let single = |day: f64| Dwell { at: at(day), readings: StopReadings::single(1e-3 * day) };
+        assert_eq!(kept.dwells(), [single(1.0), single(2.0)]);
+        assert_eq!(kept.gauging(), &Gauging { count: 1e-4, corrected: None });
+        assert!(kept.add(single(3.0)));
+        assert_eq!(kept.dwells().len(), 3);
+        assert!(kept.add(dwell(4.0)));
+        assert_eq!((kept.dwells(), kept.counts()), (&[dwell(4.0)][..], &[1][..]));
+    }
+
+    #[test]
     fn what_is_no_history_is_not_restored() {
         let dwells = |count: usize| (0..count).map(|k| dwell(k as f64)).collect::<Vec<_>>();
         let kept = history((0..20).map(f64::from));
@@ -327,12 +359,15 @@ mod tests {
         assert_eq!(restore(dwells(2), vec![1; 2], wrong), Err(Flaw::Gauging));
         for wrong in [f64::NAN, f64::INFINITY, -1e4] {
             let mut dwells = dwells(2);
-            dwells[1].readings[0] = wrong;
+            dwells[1].readings.c1 = wrong;
             assert_eq!(restore(dwells, vec![1; 2], gauging), Err(Flaw::Reading), "{wrong}");
         }
         let mut twice = dwells(4);
         twice[2].at = twice[1].at;
         assert_eq!(restore(twice, vec![1; 4], gauging), Err(Flaw::Order));
+        let mut mixed = dwells(4);
+        mixed[3].readings.c2 = None;
+        assert_eq!(restore(mixed, vec![1; 4], gauging), Err(Flaw::Kind));
         // As many as an earlier version kept are put together.
         let long = restore(dwells(MOST_READ), vec![1; MOST_READ], gauging).expect("a history");
         assert!(long.dwells().len() <= MOST, "{}", long.dwells().len());
@@ -349,7 +384,7 @@ mod tests {
         assert_eq!(stamps(&kept)[0].floor(), 0.0);
         // Each reads what it read on the mean of its days.
         for (stamp, dwell) in stamps(&kept).iter().zip(dwells) {
-            assert!((dwell.readings[0] - 1e-3 * stamp).abs() < 1e-9, "{stamp} {dwell:?}");
+            assert!((dwell.readings.c1 - 1e-3 * stamp).abs() < 1e-9, "{stamp} {dwell:?}");
         }
         // And what is put together is known.
         assert!(!kept.clone().add(dwell(100.0)));

@@ -57,7 +57,7 @@ pub use archive::Archive;
 pub use coverage::{Coverage, Unknown};
 pub use detector::{Design, Input, Sequential};
 pub use drive::Drive;
-pub use dwell::Dwell;
+pub use dwell::{Dwell, StopReadings};
 pub use excursions::ExcursionLimits;
 pub use history::{DwellHistory, Gauging};
 pub use noise::Noise;

@@ -4,6 +4,7 @@ use super::dwell::Dwell;
 use super::history::LEAST;
 use super::stops::StopParameters;
 use super::student;
+use alloc::vec::Vec;
 
 /// Seconds of a mean month.
 const MONTH: f64 = 30.4375 * 86_400.0;
@@ -45,32 +46,35 @@ pub struct DriftLimits {
 
 impl Trend {
     /// The least-squares line through the readings `which` of `dwells`, in the order of time.
-    /// `None` with fewer than three.
+    /// `None` with fewer than three, and of a transducer that the cylinder does not have.
     pub(super) fn through(dwells: &[Dwell], which: usize) -> Option<Self> {
         let newest = dwells.last().filter(|_| dwells.len() >= LEAST)?;
+        let readings: Option<Vec<f64>> =
+            dwells.iter().map(|it| it.readings.each()[which]).collect();
+        let readings = readings?;
         let first = dwells[0].at;
-        let reference = begin(dwells, which);
         let months = |dwell: &Dwell| dwell.at.since(first).as_seconds() / MONTH;
         let n = dwells.len() as f64;
         let t0 = dwells.iter().map(months).sum::<f64>() / n;
-        let y0 = dwells.iter().map(|dwell| dwell.readings[which]).sum::<f64>() / n;
+        let y0 = readings.iter().sum::<f64>() / n;
         let (mut tt, mut ty) = (0.0, 0.0);
-        for dwell in dwells {
+        for (dwell, reading) in dwells.iter().zip(&readings) {
             let t = months(dwell) - t0;
             tt += t * t;
-            ty += t * (dwell.readings[which] - y0);
+            ty += t * (reading - y0);
         }
         let per_month = ty / tt;
         let squares: f64 = dwells
             .iter()
-            .map(|dwell| dwell.readings[which] - y0 - per_month * (months(dwell) - t0))
+            .zip(&readings)
+            .map(|(dwell, reading)| reading - y0 - per_month * (months(dwell) - t0))
             .map(|residual| residual * residual)
             .sum();
         let deviation = libm::sqrt(squares / (n - 2.0)).max(P.repeatability);
         Some(Self {
             per_month,
             error: deviation / libm::sqrt(tt),
-            moved: newest.readings[which] - reference,
+            moved: readings[readings.len() - 1] - begin(&readings),
             months: months(newest),
             dwells: dwells.len(),
         })
@@ -102,10 +106,10 @@ impl Trend {
 }
 
 /// Reading of the first dwells, m: their median, so that one of them may be wrong.
-fn begin(dwells: &[Dwell], which: usize) -> f64 {
+fn begin(readings: &[f64]) -> f64 {
     let mut first = [0.0; LEAST];
-    for (place, dwell) in first.iter_mut().zip(dwells) {
-        *place = dwell.readings[which];
+    for (place, reading) in first.iter_mut().zip(readings) {
+        *place = *reading;
     }
     first.sort_unstable_by(f64::total_cmp);
     first[LEAST / 2]
@@ -114,6 +118,7 @@ fn begin(dwells: &[Dwell], which: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequential::dwell::StopReadings;
     use crate::time::Timestamp;
 
     /// One dwell a day, `scatter` m on either side of a line.
@@ -122,7 +127,7 @@ mod tests {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
             let reading = per_day * f64::from(k) + sign * scatter;
             let at = Timestamp::from_nanos(i64::from(k) * 86_400_000_000_000);
-            Dwell { at, readings: [reading, -reading] }
+            Dwell { at, readings: StopReadings::both([reading, -reading]) }
         };
         (0..count).map(dwell).collect()
     }

@@ -243,7 +243,6 @@ impl Watched {
             command: row.u,
             monitored: row.monitored,
             at: row.timestamp,
-            at_stop: false,
         });
         if self.detector.verdict() == tertius_core::verdict::Verdict::Unknown {
             return;

@@ -75,10 +75,13 @@ class Stops {
     }
     const stops = (await answer.json()).toSorted((a, b) => b.at_s - a.at_s);
     const first = stops.at(-1);
-    const since = (stop, which) => number((stop[which] - first[which]) * 1e3, 3);
+    // A cylinder with one transducer has no C2.
+    const millimetres = (length) => (length == null ? "–" : number(length * 1e3, 3));
+    const since = (stop, which) =>
+      stop[which] == null || first[which] == null ? "–" : millimetres(stop[which] - first[which]);
     const rows = stops.slice(0, STOPS).map((stop) => [
-      utc(stop.at_s), number(stop.c1_m * 1e3, 3), number(stop.c2_m * 1e3, 3),
-      number((stop.c1_m - stop.c2_m) * 1e3, 3), since(stop, "c1_m"), since(stop, "c2_m")]);
+      utc(stop.at_s), millimetres(stop.c1_m), millimetres(stop.c2_m),
+      stop.c2_m == null ? "–" : millimetres(stop.c1_m - stop.c2_m), since(stop, "c1_m"), since(stop, "c2_m")]);
     const header = ["Time", "C1, mm", "C2, mm", "C1 − C2, mm", "C1 since the first, mm", "C2 since the first, mm"];
     say(this.note, first
       ? `${plural(stops.length, "reading")} since ${utc(first.at_s)}${rows.length < stops.length ? `; the last ${rows.length}:` : ":"}`

@@ -57,7 +57,6 @@ impl Sink for Listener {
             command: record.command,
             monitored: record.monitored,
             at: record.timestamp,
-            at_stop: false,
         });
         self.values[index] = values(record, detector);
     }

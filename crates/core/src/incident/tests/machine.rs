@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::incident::{Cylinders, Scope};
+use crate::verdict::Testimony;
 
 impl Story {
     /// Raises or clears a warning of the cylinder `n`, counted from 1.
@@ -218,5 +219,29 @@ fn slow_drifts_of_half_of_the_cylinders_are_theirs() {
         story.machine(t);
     }
     assert_eq!(story.numbers(Progress::Opened).len(), 5);
+    assert!(story.told.iter().all(|it| it.scope.cylinder().is_some()));
+}
+
+/// What stops have worn by, or their only transducers drifted, is no difference of C1 and C2.
+#[test]
+fn what_the_stops_find_of_only_transducers_is_theirs() {
+    let mut story = Story::of(6);
+    let evidence = Evidence {
+        fault: 0.0,
+        location: None,
+        by: Some(Testimony::Stop),
+        onset: Timestamp::default(),
+        gain: None,
+        size: None,
+    };
+    let worn = finding(Fault::Incipient, Suspect::Undecided, 1e-3);
+    let worn = Finding { evidence: Some(evidence), ..worn };
+    for n in 1..=6 {
+        let t = 100.0 + f64::from(n);
+        story.of_cylinder(t, n, Sequential, State::Raised, worn);
+        story.machine(t);
+        story.machine(t + 0.1);
+    }
+    assert_eq!(story.numbers(Progress::Opened), [1, 2, 3, 4, 5, 6]);
     assert!(story.told.iter().all(|it| it.scope.cylinder().is_some()));
 }

@@ -64,7 +64,8 @@ impl Cylinder {
             trusted,
             // The two differ by the error of one of them: by a blamed one's, or by that of a reading of which neither observer
             // shows yet whether it is wild, as where a rod moves slowly away from a frozen one.
-            undecided: (blames(Suspect::Undecided) || is_parted) && unblamed == [true; 2],
+            undecided: (found.iter().flatten().any(is_dispute) || is_parted)
+                && unblamed == [true; 2],
             resolved: is_resolved(&found) || self.last.any_latched(),
             process: blames(Suspect::Process),
             departs: self.last.shared.as_ref().map_or(0.0, SharedDeparture::size),
@@ -74,6 +75,11 @@ impl Cylinder {
         };
         self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
     }
+}
+
+/// Whether it is not known which of the two is wrong. What a stop finds of the only transducer is no such dispute.
+fn is_dispute(finding: &Finding) -> bool {
+    finding.suspect == Suspect::Undecided && !finding.is_of_stop()
 }
 
 /// Whether a detector of a difference that stands names a transducer. An observer alone is raised by noise for a second: while
@@ -93,7 +99,39 @@ fn is_displaced(found: &[Option<Finding>; PLACES], suspect: Suspect) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::alarm::Level;
+    use crate::alarm::{Evidence, Level};
+    use crate::time::Timestamp;
+    use crate::verdict::Testimony;
+
+    /// For months nothing else would be left to estimate by.
+    #[test]
+    fn what_the_stop_finds_of_an_only_transducer_disputes_no_reading() {
+        let evidence = |by| Evidence {
+            fault: 0.0,
+            location: None,
+            by,
+            onset: Timestamp::default(),
+            gain: None,
+            size: None,
+        };
+        for (suspect, by, disputes) in [
+            (Suspect::Undecided, None, true),
+            (Suspect::Undecided, Some(Testimony::Innovations), true),
+            (Suspect::Undecided, Some(Testimony::Stop), false),
+            (Suspect::C1, None, false),
+        ] {
+            let finding = Finding {
+                fault: Fault::Incipient,
+                suspect,
+                level: Level::Yellow,
+                residual: None,
+                threshold: None,
+                evidence: Some(evidence(by)),
+                device: None,
+            };
+            assert_eq!(is_dispute(&finding), disputes, "{suspect:?} by {by:?}");
+        }
+    }
 
     #[test]
     fn what_noise_raises_for_a_second_ends_no_dispute() {

@@ -20,6 +20,12 @@ impl Cylinder {
             || self.implausible.iter().any(Implausible::raised)
     }
 
+    /// Whether there are any [`Self::findings`]. What the stop finds of the only transducer stands for months, in which
+    /// everything else has to supervise that transducer as if nothing were found.
+    pub fn has_findings(&self) -> bool {
+        self.finds_anything() || self.drifted.is_some()
+    }
+
     /// Whether any detector beside the plausibility checks and the supervision of the last transducer has a finding now.
     #[inline(always)]
     pub(super) fn detects_anything(&self) -> bool {
@@ -49,7 +55,8 @@ impl Cylinder {
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
-        put(WarningPlace::Sequential, self.sequential_finding().map(|it| self.in_time(it)));
+        let sequential = self.sequential_finding().map(|it| self.in_time(it));
+        put(WarningPlace::Sequential, sequential.or_else(|| self.stop_finding()));
         put(WarningPlace::Process, self.process_finding());
         put(WarningPlace::Hexapod, self.hexapod_finding().map(|it| self.in_time(it)));
         let blames = |i: usize| {

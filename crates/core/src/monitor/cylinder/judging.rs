@@ -197,7 +197,6 @@ impl Cylinder {
             command: self.inputs.command_value(),
             monitored: now.gate == Opening::Open,
             at: now.opened,
-            at_stop: now.at_stop,
         });
         self.tally.sequential.get_or_insert_default().count(sequential.unknown());
     }

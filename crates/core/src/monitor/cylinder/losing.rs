@@ -58,6 +58,9 @@ impl Cylinder {
         if let Some(sequential) = &mut self.sequential {
             sequential.interrupt();
         }
+        if let Some(on_stop) = &mut self.on_stop {
+            on_stop.interrupt();
+        }
         if let Some(process) = &mut self.process {
             process.interrupt();
         }

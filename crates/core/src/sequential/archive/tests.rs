@@ -10,7 +10,10 @@ fn archive() -> Archive {
         for k in 0..[0, 5, 5, 12, 1, 3][n] {
             let at = Timestamp::from_nanos(1_700_000_000_123_456_789 + k * 86_400_000_000_007);
             let wobble = 1e-5 * ((k * 37 % 11) as f64 / 11.0).sqrt();
-            history.add(Dwell { at, readings: [-1.4 + wobble, -1.39 - wobble / 3.0] });
+            history.add(Dwell {
+                at,
+                readings: StopReadings::both([-1.4 + wobble, -1.39 - wobble / 3.0]),
+            });
         }
     }
     archive
@@ -42,7 +45,7 @@ fn the_longest_history_fits() {
     for history in &mut archive.cylinders {
         let dwell = |k: i64| Dwell {
             at: Timestamp::from_nanos(i64::MIN + k),
-            readings: [-1.234_567_890_123_456_7e-300; 2],
+            readings: StopReadings::both([-1.234_567_890_123_456_7e-300; 2]),
         };
         let dwells = (0..MOST as i64).map(dwell).collect();
         let gauging = Gauging { count: 1.0 / 3.0, corrected: Some([-1.0 / 3.0; 2]) };
@@ -127,9 +130,28 @@ fn that_of_another_machine_or_program_is_told_by_name() {
     let fewer = Archive::parse(text.as_bytes(), "Ampelmann E-type", 5);
     assert_eq!(fewer, Err(Refusal::Cylinders { found: 6, expected: 5 }));
     // What a newer one is sealed with is not known.
-    let newer = text.replacen("dwells 2", "dwells 3", 1);
-    assert_eq!(parse(&newer), Err(Refusal::Newer(3)));
+    let newer = text.replacen("dwells 2", "dwells 4", 1);
+    assert_eq!(parse(&newer), Err(Refusal::Newer(4)));
     assert_eq!(Archive::parse(&[0xFF, 0xFE, 0], "", 1), Err(Refusal::Binary));
+}
+
+/// A machine whose cylinders have two transducers each is kept as before, for programs that know no others.
+#[test]
+fn a_cylinder_with_one_transducer_has_no_reading_of_c2() {
+    let mut archive = archive();
+    assert!(archive.to_text().starts_with("tertius dwells 2\n"));
+    let at = Timestamp::from_nanos(1_700_000_000_000_000_000);
+    archive.cylinders[0].add(Dwell { at, readings: StopReadings::single(-1.41) });
+    let text = archive.to_text();
+    assert!(text.starts_with("tertius dwells 3\n"), "{text}");
+    assert!(text.contains("\n1700000000000000000 -1.41 - 1\n"), "{text}");
+    assert_eq!(parse(&text), Ok(archive));
+    let older = parse(&sealed(&text.replacen("dwells 3", "dwells 2", 1)));
+    let told = older.expect_err("that version has none").to_string();
+    assert!(told.contains("a time in ns and two readings in m, and of how many dwells"), "{told}");
+    let wrong = parse(&sealed(&text.replacen("-1.41 - 1", "-1.41 -- 1", 1)));
+    let told = wrong.expect_err("no reading").to_string();
+    assert!(told.contains("two readings in m, `-` for no C2, and of how many dwells"), "{told}");
 }
 
 #[test]

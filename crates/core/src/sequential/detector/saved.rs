@@ -6,8 +6,7 @@ use crate::state::state;
 state! {
     Sequential {
         clipping, baseline, slow, loss, thinning, history, search, noise, sooner, sampled_anew, may_be_timing,
-        witness, skew, proportion, velocity, was_monitored, verdict, unknown, residual, peaks, alarm, dwelling,
-        dwells, dwelt,
+        witness, skew, proportion, velocity, was_monitored, verdict, unknown, residual, peaks, alarm,
     }
     parts { excursions, pair }
     but { design, cycles, scales }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::sequential::dwell::StopReadings;
 use crate::sequential::statistic::INDEPENDENT;
 use crate::sequential::stops::{Blame, Course, Judgement};
 use crate::time::Span;
@@ -60,7 +61,6 @@ fn go(detector: &mut Sequential, begin: f64, seconds: f64, fault: impl Fn(f64) -
             command: None,
             monitored: true,
             at: Timestamp::default().after(Span::from_seconds(t)),
-            at_stop: false,
         });
     }
     begin + seconds
@@ -192,7 +192,7 @@ fn what_is_left_of_a_fault_is_no_noise() {
 
 /// C1 has moved by 1 mm.
 const fn judged(blame: Blame) -> Judgement {
-    Judgement { blame, moved: [1e-3, 0.0], course: Course::Ramp(0.0) }
+    Judgement { blame, moved: StopReadings::both([1e-3, 0.0]), course: Course::Ramp(0.0) }
 }
 
 #[test]

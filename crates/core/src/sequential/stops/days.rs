@@ -1,6 +1,7 @@
 //! Readings by day: the dwells of a day share the same weather and are one reading.
 
 use super::StopParameters;
+use crate::sequential::dwell::StopReadings;
 use alloc::vec::Vec;
 
 /// Readings of one cylinder on a day.
@@ -10,23 +11,25 @@ pub struct Day {
     pub number: i64,
     /// Time, years since 1970.
     pub at: f64,
-    /// Means of C1 and C2, m.
-    pub readings: [f64; 2],
+    /// Means of the readings, m.
+    pub readings: StopReadings,
     /// Number of dwells.
     pub dwells: u32,
 }
 
 /// Puts another reading, of `dwells` dwells, to those of its day.
 pub(in crate::sequential) fn put(days: &mut Vec<Day>, day: Day) {
-    let apart = |day: &Day| day.readings[0] - day.readings[1];
-    let same = StopParameters::DEFAULT.same_day;
+    let same = |last: &Day| {
+        let apart = last.readings.apart().zip(day.readings.apart());
+        // What a single transducer has moved by within a day may as well be the rod, or the weather.
+        apart.is_none_or(|(last, new)| (last - new).abs() <= StopParameters::DEFAULT.same_day)
+    };
     match days.last_mut() {
-        Some(last) if last.number == day.number && (apart(last) - apart(&day)).abs() <= same => {
+        Some(last) if last.number == day.number && same(last) => {
             let whole = f64::from(last.dwells) + f64::from(day.dwells);
             let share = f64::from(day.dwells) / whole;
-            let mix = |old: f64, new: f64| old + share * (new - old);
-            last.at = mix(last.at, day.at);
-            last.readings = [0, 1].map(|i| mix(last.readings[i], day.readings[i]));
+            last.at += share * (day.at - last.at);
+            last.readings = last.readings.mixed(day.readings, share);
             last.dwells = last.dwells.saturating_add(day.dwells);
         }
         _ => days.push(day),
@@ -40,7 +43,7 @@ mod tests {
 
     /// A reading of `dwells` dwells on day 3; C2 reads 2 m.
     fn read(hour: f64, c1: f64, dwells: u32) -> Day {
-        Day { number: 3, at: hour, readings: [c1, 2.0], dwells }
+        Day { number: 3, at: hour, readings: StopReadings::both([c1, 2.0]), dwells }
     }
 
     #[test]
@@ -50,8 +53,8 @@ mod tests {
         put(&mut days, read(0.5, 1.0004, 3));
         let [day] = days[..] else { panic!("one day: {days:?}") };
         assert!((day.at - 0.4).abs() < 1e-12, "{day:?}");
-        assert!((day.readings[0] - 1.0003).abs() < 1e-12, "{day:?}");
-        assert_eq!((day.number, day.readings[1], day.dwells), (3, 2.0, 4));
+        assert!((day.readings.c1 - 1.0003).abs() < 1e-12, "{day:?}");
+        assert_eq!((day.number, day.readings.c2, day.dwells), (3, Some(2.0), 4));
         put(&mut days, Day { number: 4, ..day });
         assert_eq!(days.len(), 2, "another day is another reading");
     }
@@ -67,7 +70,14 @@ mod tests {
         }
         // What both have moved by is the rod.
         let mut days = vec![read(0.1, 1.0, 1)];
-        put(&mut days, Day { readings: [1.01, 2.01], ..read(0.5, 0.0, 1) });
+        let both = StopReadings::both([1.01, 2.01]);
+        put(&mut days, Day { readings: both, ..read(0.5, 0.0, 1) });
+        assert_eq!(days.len(), 1);
+        // So may be what a single one has moved by.
+        let mut days = Vec::new();
+        for c1 in [1.0, 1.01] {
+            put(&mut days, Day { readings: StopReadings::single(c1), ..read(0.5, 0.0, 1) });
+        }
         assert_eq!(days.len(), 1);
     }
 }

@@ -31,10 +31,16 @@ pub struct StopParameters {
     pub dithered: f64,
     /// A ramp may have begun so long ago, years …
     pub ramps: [f64; 6],
+    /// … of an only transducer also so long: beside the wear that it may have, a ramp that begins at another time fits its
+    /// drift so badly that what was found seems to be over, …
+    pub more_ramps: [f64; 11],
     /// … with so many readings before and since; …
     pub side: usize,
-    /// … and a step so many readings ago.
+    /// … and a step so many readings ago; …
     pub steps: [usize; 5],
+    /// … of an only transducer also where so many readings differ most from as many before: no ramp stands for its old
+    /// step, because stops wear along ramps.
+    pub beside: usize,
     /// Deviations of what is known beforehand, m: the season in the difference, …
     pub season_apart: f64,
     /// … in the mean of both, of which the other cylinders tell the largest that they may have, m, …
@@ -57,8 +63,11 @@ pub struct StopParameters {
     pub least: f64,
     /// … or by less than so many of the counts they move in.
     pub counts: f64,
-    /// Deviations beyond chance, …
+    /// Deviations beyond chance of a difference, …
     pub beyond: f64,
+    /// … and of an only transducer, which every cylinder's own weather moves: at 4 it seemed to drift in 14 of 2400
+    /// healthy years of weekly visits, …
+    pub beyond_alone: f64,
     /// … and how that grows where few readings tell the scatter.
     pub few: f64,
     /// Twice the nats that name one of them.
@@ -67,7 +76,7 @@ pub struct StopParameters {
     pub both: f64,
     /// … what the one that has moved less has of the other's move, …
     pub part: f64,
-    /// … and what it has moved at least, m: a stop that wears takes both along.
+    /// … and what it has moved at least, m: a stop that wears takes both along. So does it an only transducer.
     pub own: f64,
     /// The mean square of all but the largest of a few normal values is less than their variance by this.
     pub trimmed: f64,
@@ -89,8 +98,12 @@ impl StopParameters {
         same_day: 5e-4,
         dithered: 2e-4,
         ramps: [0.125, 0.25, 0.5, 1.0, 2.0, 4.0],
+        more_ramps: [
+            0.0156, 0.0221, 0.0313, 0.0442, 0.0625, 0.0884, 0.177, 0.354, 0.707, 1.41, 2.83,
+        ],
         side: 3,
         steps: [1, 2, 4, 8, 16],
+        beside: 8,
         season_apart: 0.06 * MILLIMETRE,
         seasons: [0.05 * MILLIMETRE, 0.10 * MILLIMETRE, 0.20 * MILLIMETRE, 0.40 * MILLIMETRE],
         maybe: 3.0,
@@ -106,6 +119,7 @@ impl StopParameters {
         least: 0.3 * MILLIMETRE,
         counts: 1.5,
         beyond: 4.0,
+        beyond_alone: 5.0,
         few: 17.0 / 4.0,
         named: 12.0,
         both: 16.0,

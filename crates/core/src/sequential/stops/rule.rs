@@ -1,10 +1,12 @@
 //! The rule that names the drifting transducer: by the trend beyond chance against the other
-//! transducer, and the machine's common part.
+//! transducer, and the machine's common part. An only transducer is judged by its own trend less that
+//! part, beyond what stops wear.
 
 use super::StopParameters;
 use super::days::Day;
 use super::fit::{Fit, fit, likelihood};
 use super::thermometer::Thermometer;
+use crate::sequential::dwell::StopReadings;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
@@ -30,6 +32,7 @@ pub enum Course {
 pub enum Blame {
     /// Neither: the readings have not come apart.
     Neither,
+    /// C1; where it is the only transducer, C1 or the stop, which has then moved by more than stops wear.
     C1,
     C2,
     Both,
@@ -41,8 +44,8 @@ pub enum Blame {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judgement {
     pub blame: Blame,
-    /// Moves of C1 and C2, without what is common to the machine, m.
-    pub moved: [f64; 2],
+    /// Moves of the transducers, without what is common to the machine, m.
+    pub moved: StopReadings,
     pub course: Course,
 }
 
@@ -61,9 +64,9 @@ impl Judgement {
 /// Readings of one cylinder, without what is common.
 struct Series {
     days: Vec<Day>,
-    /// Differences C1 − C2, m.
-    apart: Vec<f64>,
-    /// Means of C1 and C2, m.
+    /// Differences C1 − C2, m; `None` where there is no C2.
+    apart: Option<Vec<f64>>,
+    /// Means of C1 and C2, or what C1 alone reads, m.
     mean: Vec<f64>,
     /// Log-likelihood of the mean with each of [`SEASONS`], nats.
     seasons: [f64; SEASONS.len()],
@@ -73,12 +76,11 @@ impl Series {
     fn new(days: &[Day], thermometer: Option<&Thermometer>, alone: usize) -> Self {
         let less = |day: &Day| {
             let common = thermometer.map_or(Some(0.0), |it| it.on(day.number))?;
-            Some(Day { readings: day.readings.map(|reading| reading - common), ..*day })
+            Some(Day { readings: day.readings.less(common), ..*day })
         };
         let days: Vec<Day> = days.iter().filter_map(less).collect();
-        let apart = days.iter().map(|day| day.readings[0] - day.readings[1]).collect();
-        let mean: Vec<f64> =
-            days.iter().map(|day| 0.5 * (day.readings[0] + day.readings[1])).collect();
+        let apart = days.iter().map(|day| day.readings.apart()).collect();
+        let mean: Vec<f64> = days.iter().map(|day| day.readings.mean()).collect();
         let seasons =
             if thermometer.is_some() { seasons(&days, &mean, alone) } else { [0.0; SEASONS.len()] };
         Self { days, apart, mean, seasons }
@@ -93,14 +95,17 @@ impl Series {
         if n >= P.side {
             courses.push(Course::Ramp(first.at));
         }
-        for ago in P.ramps {
+        let is_single = self.apart.is_none();
+        let more = P.more_ramps.into_iter().filter(|_| is_single);
+        for ago in P.ramps.into_iter().chain(more) {
             let begin = last.at - ago;
             let before = self.days.iter().filter(|day| day.at <= begin).count();
             if before >= P.side && n - before >= P.side {
                 courses.push(Course::Ramp(begin));
             }
         }
-        for back in P.steps {
+        let steepest = if is_single { self.steepest() } else { None };
+        for back in P.steps.into_iter().chain(steepest) {
             if n > back
                 && self.days[..n - back].iter().map(|day| day.dwells as usize).sum::<usize>()
                     >= P.side
@@ -109,6 +114,21 @@ impl Series {
             }
         }
         courses
+    }
+
+    /// How many readings ago those after that place differ most from those before; `None` with too few.
+    fn steepest(&self) -> Option<usize> {
+        let n = self.mean.len();
+        let middle = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let differ = |place: usize| {
+            let (before, after) = self.mean.split_at(place);
+            let [before, after] =
+                [&before[place.saturating_sub(P.beside)..], &after[..P.beside.min(n - place)]];
+            (middle(after) - middle(before)).abs()
+        };
+        let places = P.side..(n + 1).saturating_sub(P.side);
+        let steepest = places.max_by(|one, two| differ(*one).total_cmp(&differ(*two)));
+        steepest.map(|place| n - place)
     }
 
     /// Rows of the fits by `course` up to `end`: a constant, the share of the move, a season and wear.
@@ -125,31 +145,76 @@ impl Series {
     }
 
     /// Moves of the difference and of the mean by `course`, up to `end`.
-    fn fits(&self, course: Course, end: f64, prior: Prior) -> Option<[Fit; 2]> {
-        let free = f64::INFINITY;
+    fn fits(&self, course: Course, end: f64, prior: Prior) -> Option<Fits> {
         let rows = self.rows(course, end);
-        let apart = fit(&without_wear(&rows), &self.apart, APART, P.apart)?;
-        let Prior { season, alone } = prior;
-        let wear = P.wear[alone];
-        let mean = fit(&rows, &self.mean, [free, free, season, season, wear], P.together[alone])?;
-        Some([apart, mean])
+        let apart = match &self.apart {
+            Some(apart) => Some(fit(&without_wear(&rows), apart, APART, P.apart)?),
+            None => None,
+        };
+        let mean = fit(&rows, &self.mean, prior.of_mean(), P.together[prior.alone])?;
+        Some(Fits { apart, mean })
     }
 
     /// The likeliest of `courses`. The one that lies furthest beyond chance may be another, which
     /// fits worse: a ramp that began half a year ago, say, and a season that no difference has.
-    fn likeliest(&self, courses: &[(Course, [Fit; 2])], end: f64) -> Option<(Course, [Fit; 2])> {
-        let scatters = courses.iter().map(|(_, [apart, _])| apart.scatter);
+    fn likeliest(
+        &self,
+        courses: &[(Course, Fits)],
+        end: f64,
+        prior: Prior,
+    ) -> Option<(Course, Fits)> {
+        let scatters = courses.iter().map(|(_, fits)| fits.telling().scatter);
         let scatter = scatters.fold(f64::INFINITY, f64::min);
-        let likelihoods = courses.iter().map(|it| (self.likelihood(it.0, end, scatter), it));
+        let likelihoods =
+            courses.iter().map(|it| (self.likelihood((it.0, end), prior, scatter), it));
         let likeliest = likelihoods.max_by(|(one, _), (two, _)| one.total_cmp(two));
         likeliest.map(|(_, it)| *it)
     }
 
-    /// Log-likelihood of the difference by `course` up to `end`, nats, where it scatters by `variance`, m²;
-    /// except for what is the same for all courses.
-    fn likelihood(&self, course: Course, end: f64, variance: f64) -> f64 {
-        let rows = without_wear(&self.rows(course, end));
-        likelihood(&rows, &self.apart, APART, variance).unwrap_or(f64::NEG_INFINITY)
+    /// Log-likelihood of the difference, or of what C1 alone reads, by a course up to its end, nats, where it
+    /// scatters by `variance`, m²; except for what is the same for all courses.
+    fn likelihood(&self, (course, end): (Course, f64), prior: Prior, variance: f64) -> f64 {
+        let rows = self.rows(course, end);
+        let likelihood = match &self.apart {
+            Some(apart) => likelihood(&without_wear(&rows), apart, APART, variance),
+            None => likelihood(&rows, &self.mean, prior.of_mean(), variance),
+        };
+        likelihood.unwrap_or(f64::NEG_INFINITY)
+    }
+}
+
+/// Fits of a cylinder's readings by a course.
+#[derive(Clone, Copy, Debug)]
+struct Fits {
+    /// That of C1 − C2; `None` where there is no C2.
+    apart: Option<Fit>,
+    /// That of their mean, or of C1 alone.
+    mean: Fit,
+}
+
+impl Fits {
+    /// That of what no temperature and no stop moves: the difference. What C1 alone reads is the nearest to it.
+    fn telling(&self) -> Fit {
+        self.apart.unwrap_or(self.mean)
+    }
+
+    fn moved(&self) -> StopReadings {
+        match self.apart {
+            Some(apart) => StopReadings::both(
+                [1.0, -1.0].map(|sign| self.mean.moved + sign * 0.5 * apart.moved),
+            ),
+            None => StopReadings::single(self.mean.moved),
+        }
+    }
+
+    /// Takes by how much the other cylinders have moved.
+    fn widen(&mut self, others: [Option<f64>; 2]) {
+        let fits = [self.apart.as_mut(), Some(&mut self.mean)];
+        for (fit, other) in fits.into_iter().zip(others) {
+            if let Some((fit, other)) = fit.zip(other) {
+                fit.variance = fit.variance.max(other);
+            }
+        }
     }
 }
 
@@ -174,36 +239,36 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
     let end = own.days.last()?.at;
     let prior = Prior { season: season(series, which), alone };
     let nu = P.expected + own.days.len() as f64 - 2.0;
-    let beyond = P.beyond * (1.0 + P.few / nu);
-    let mut beyond_chance: Vec<(Course, [Fit; 2])> = Vec::new();
+    let [beyond, least] = match own.apart {
+        Some(_) => [P.beyond, P.least],
+        None => [P.beyond_alone, P.own],
+    };
+    let beyond = beyond * (1.0 + P.few / nu);
+    let mut beyond_chance: Vec<(Course, Fits)> = Vec::new();
     let mut judged = None;
     for course in own.courses() {
-        let Some([mut apart, mut mean]) = own.fits(course, end, prior) else { continue };
-        if let Course::Step(_) = course {
-            mean.variance += P.common_step * P.common_step;
+        let Some(mut fits) = own.fits(course, end, prior) else { continue };
+        // That a stop may have moved makes nobody sound: of an only transducer both are told.
+        if matches!(course, Course::Step(_)) && own.apart.is_some() {
+            fits.mean.variance += P.common_step * P.common_step;
         }
-        judged.get_or_insert((course, [apart, mean]));
-        let size = apart.moved.abs();
-        if size < P.least.max(P.counts * count)
-            || size - count < beyond * libm::sqrt(apart.variance)
+        judged.get_or_insert((course, fits));
+        let size = fits.telling().moved.abs();
+        if size < least.max(P.counts * count)
+            || size - count < beyond * libm::sqrt(fits.telling().variance)
         {
             continue;
         }
-        if let Some([a, m]) = others(series, which, course, end, prior) {
-            apart.variance = apart.variance.max(a);
-            mean.variance = mean.variance.max(m);
-        }
-        if size - count > beyond * libm::sqrt(apart.variance) {
-            beyond_chance.push((course, [apart, mean]));
+        fits.widen(others(series, which, course, end, prior));
+        if size - count > beyond * libm::sqrt(fits.telling().variance) {
+            beyond_chance.push((course, fits));
         }
     }
-    let moved =
-        |[apart, mean]: [Fit; 2]| [mean.moved + 0.5 * apart.moved, mean.moved - 0.5 * apart.moved];
-    let Some((course, fits)) = own.likeliest(&beyond_chance, end) else {
+    let Some((course, fits)) = own.likeliest(&beyond_chance, end, prior) else {
         let (course, fits) = judged?;
-        return Some(Judgement { blame: Blame::Neither, moved: moved(fits), course });
+        return Some(Judgement { blame: Blame::Neither, moved: fits.moved(), course });
     };
-    Some(Judgement { blame: blame(fits, count), moved: moved(fits), course })
+    Some(Judgement { blame: blame(&fits, count), moved: fits.moved(), course })
 }
 
 /// Prior knowledge of the mean.
@@ -211,6 +276,14 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
 struct Prior {
     season: f64,
     alone: usize,
+}
+
+impl Prior {
+    /// Standard deviations of the coefficients of the mean, m.
+    const fn of_mean(self) -> [f64; 5] {
+        let free = f64::INFINITY;
+        [free, free, self.season, self.season, P.wear[self.alone]]
+    }
 }
 
 /// Log-likelihood of the mean with each of [`SEASONS`].
@@ -247,9 +320,10 @@ fn season(series: &[Series], which: usize) -> f64 {
     SEASONS[place]
 }
 
-fn blame([apart, mean]: [Fit; 2], count: f64) -> Blame {
-    let [one, two] =
-        [mean.moved + 0.5 * apart.moved, mean.moved - 0.5 * apart.moved].map(|b| b * b);
+fn blame(fits: &Fits, count: f64) -> Blame {
+    let StopReadings { c1, c2: Some(c2) } = fits.moved() else { return Blame::C1 };
+    let (mean, apart) = (fits.mean, fits.telling());
+    let [one, two] = [c1 * c1, c2 * c2];
     // What is rounded to counts is off by up to half a count, evenly.
     let lattice = count * count / 12.0;
     let variance = mean.variance + lattice + 0.25 * (apart.variance + 4.0 * lattice);
@@ -264,23 +338,26 @@ fn blame([apart, mean]: [Fit; 2], count: f64) -> Blame {
 
 /// Moves of the difference and of the mean of the other cylinders by the same course, as variances,
 /// m²: healthy ones move by that much. The one with the largest move is left out, since it may
-/// itself drift.
+/// itself drift. `None` where too few have them.
 fn others(
     series: &[Series],
     which: usize,
     course: Course,
     end: f64,
     prior: Prior,
-) -> Option<[f64; 2]> {
+) -> [Option<f64>; 2] {
     let others = series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= P.side);
-    let fits: Vec<[Fit; 2]> = others.filter_map(|(_, it)| it.fits(course, end, prior)).collect();
-    (fits.len() + 1 >= P.cylinders).then(|| {
-        [0, 1].map(|part| {
-            let mut squares: Vec<f64> =
-                fits.iter().map(|fits| fits[part].moved * fits[part].moved).collect();
-            squares.sort_unstable_by(f64::total_cmp);
+    let fits: Vec<Fits> = others.filter_map(|(_, it)| it.fits(course, end, prior)).collect();
+    let variance = |moves: &mut dyn Iterator<Item = f64>| {
+        let mut squares: Vec<f64> = moves.map(|moved| moved * moved).collect();
+        squares.sort_unstable_by(f64::total_cmp);
+        (squares.len() + 1 >= P.cylinders).then(|| {
             squares.pop();
             P.trimmed * squares.iter().sum::<f64>() / squares.len() as f64
         })
-    })
+    };
+    [
+        variance(&mut fits.iter().filter_map(|it| Some(it.apart?.moved))),
+        variance(&mut fits.iter().map(|it| it.mean.moved)),
+    ]
 }

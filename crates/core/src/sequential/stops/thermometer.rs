@@ -3,6 +3,7 @@
 
 use super::StopParameters;
 use super::days::Day;
+use crate::sequential::dwell::StopReadings;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
@@ -33,12 +34,10 @@ impl Thermometer {
             return None;
         }
         let first = |days: &Vec<Day>| {
-            [0, 1].map(|which| {
-                let first = days.iter().take(P.first_days).map(|day| day.readings[which]);
-                median(&mut first.collect::<Vec<_>>())
-            })
+            let first = days.iter().take(P.first_days).map(|day| day.readings);
+            medians(&first.collect::<Vec<_>>())
         };
-        let mut begins: Vec<[f64; 2]> = cylinders.iter().map(first).collect();
+        let mut begins: Vec<Option<StopReadings>> = cylinders.iter().map(first).collect();
         for _ in 0..ROUNDS {
             let common = common_to(cylinders, &begins, &read);
             begins = cylinders
@@ -58,25 +57,37 @@ impl Thermometer {
 
 fn common_to(
     cylinders: &[Vec<Day>],
-    begins: &[[f64; 2]],
+    begins: &[Option<StopReadings>],
     read: &BTreeMap<i64, usize>,
 ) -> BTreeMap<i64, f64> {
     let mut on: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
     for (days, begin) in cylinders.iter().zip(begins) {
+        let Some(begin) = *begin else { continue };
         for day in days.iter().filter(|day| read.contains_key(&day.number)) {
-            let values = on.entry(day.number).or_default();
-            values.extend([0, 1].map(|which| day.readings[which] - begin[which]));
+            let since = day.readings.with(begin, |reading, begin| reading - begin);
+            on.entry(day.number).or_default().extend(since.each().into_iter().flatten());
         }
     }
     on.into_iter().map(|(number, mut values)| (number, median(&mut values))).collect()
 }
 
-fn begin(days: &[Day], common: &BTreeMap<i64, f64>, old: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|which| {
-        let less = |day: &Day| Some(day.readings[which] - common.get(&day.number)?);
-        let mut values: Vec<f64> = days.iter().filter_map(less).collect();
-        if values.is_empty() { old[which] } else { median(&mut values) }
-    })
+fn begin(
+    days: &[Day],
+    common: &BTreeMap<i64, f64>,
+    old: Option<StopReadings>,
+) -> Option<StopReadings> {
+    let less = |day: &Day| Some(day.readings.less(*common.get(&day.number)?));
+    medians(&days.iter().filter_map(less).collect::<Vec<_>>()).or(old)
+}
+
+/// The medians of C1 and of C2; `None` without readings.
+fn medians(readings: &[StopReadings]) -> Option<StopReadings> {
+    let of = |which: usize| {
+        let values: Option<Vec<f64>> = readings.iter().map(|it| it.each()[which]).collect();
+        values.map(|mut values| median(&mut values))
+    };
+    readings.first()?;
+    Some(StopReadings { c1: of(0)?, c2: of(1) })
 }
 
 /// The median; 0 without values.
