@@ -284,7 +284,7 @@ impl Bank {
         for (i, lost) in [lost[0], lost[1], true].into_iter().enumerate() {
             if lost {
                 self.triggers[i].interrupt();
-                self.persistence[i].dismiss();
+                self.persistence[i].interrupt();
                 self.verdicts[i] = Verdict::Unknown;
             }
         }

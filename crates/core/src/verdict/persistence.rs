@@ -44,15 +44,16 @@ whole! { Lasting { since, largest } }
 /// ten. Where 2 % of the samples of C1 and of C2 are wild, seven of 16 differences are beyond about once an hour on a machine.
 const OFTEN: usize = 7;
 
-/// So many within the same time keep a residual raised that is. A single wild one does not: where 2 % of the samples were wild,
-/// FDE1 was raised by three in a row once, and stood for an hour.
+/// Samples beyond the threshold within the same window that keep a raised residual raised. A single wild one does not: where 2 %
+/// of the samples were wild, FDE1 was raised by three in a row once, and stood for an hour.
 const AGAIN: usize = 3;
 
-/// Newest wild readings whose times tell how frequent they are.
+/// Newest wild readings whose times show how frequent they are.
 const WILD: usize = 8;
 
-/// Times within which so many of them ask for a further sample each, s: one reading in a hundred and twenty at 50 Hz, and one in
-/// forty. Where 2 % of the samples are wild, three follow each other forty times an hour on a machine, and five hardly ever.
+/// For each of these times that the newest wild readings fit into, s, a residual has to stay for a further sample. At 50 Hz they
+/// are one reading in 120, and one in 40. Where 2 % are wild, three follow each other forty times an hour on a machine, and five
+/// hardly ever.
 const FREQUENT: [f64; 2] = [20.0, 6.0];
 
 /// Follows one residual until it has stayed beyond its threshold for some samples, or was there often.
@@ -108,6 +109,12 @@ impl Persistence {
     /// Forgets a residual that has not lasted, after a missing sample.
     pub const fn dismiss(&mut self) {
         self.exceeded = None;
+    }
+
+    /// Forgets all of them, after a time of which nothing is known. A clock that was set back made samples of an hour before
+    /// appear as those of the last moment.
+    pub const fn interrupt(&mut self) {
+        *self = Self::new(self.samples, self.parameters);
     }
 
     /// Takes a residual that `exceeds` its threshold or follows one that did, and returns it once it has lasted long enough.
@@ -259,6 +266,22 @@ mod tests {
             residuals.extend([2.0; 3]);
             assert_eq!(lasted(&residuals).len(), 1, "every {apart}th");
         }
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_makes_nothing_frequent() {
+        let mut persistence = Persistence::new(P.lasting, P);
+        let take = |persistence: &mut Persistence, cycle: i64, residual: f64| {
+            let at = Timestamp::from_nanos(cycle * CYCLE);
+            let sample = ResidualSample { residual, stands: None, other: None };
+            persistence.take(at, sample, residual > 1.0).is_some()
+        };
+        for k in 0..600 {
+            take(&mut persistence, 10_000 + k, [0.0, 9.0][k as usize % 30 / 29]);
+        }
+        persistence.interrupt();
+        let found = (0..9).position(|cycle| take(&mut persistence, cycle, 2.0));
+        assert_eq!(found, Some(2), "as at the start");
     }
 
     #[test]
