@@ -3,7 +3,7 @@
 use super::wording::counted;
 use crate::monitor::Counts;
 
-/// That frames contradict each other, that frames are too short, and that a status has no meaning, where they do, are and has.
+/// Remarks on frames that contradict each other, on frames that are too short, and on bits of a status without a meaning.
 pub fn remarks(counts: &Counts) -> impl Iterator<Item = String> {
     let said = |count: u64, what: &str| {
         let frames = counted(count, "frame");

@@ -264,7 +264,7 @@ struct Pace {
 }
 
 impl Pace {
-    /// How long it may go on before the next look, so long `since` its begin and with so many pieces `taken`; `None`: not at all.
+    /// How long the download may go on before the next look; `None` ends it. It began `since` ago, and `taken` pieces are sent.
     fn look(&mut self, since: Duration, taken: u64) -> Option<Duration> {
         let before = self.taken.replace(taken);
         let left = LONG_LIMIT.saturating_sub(since);
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(gives_way(&all, newest), None, "a download stays");
     }
 
-    /// How long a download goes on, s, of a client that has taken so many pieces at a time, s, after its begin.
+    /// How long a download goes on, s; `taken` is how many pieces its client has at a time after its begin, s.
     fn downloading(taken: impl Fn(u64) -> u64) -> u64 {
         let (mut pace, mut since) = (Pace::default(), Duration::ZERO);
         while let Some(wait) = pace.look(since, taken(since.as_secs())) {

@@ -1,7 +1,7 @@
 //! Slow differences of most cylinders at once, of which no transducer is accused.
 //!
-//! Transducers that warm as the sun comes out, or whose common supply sags, drift together: each by less than its fault would
-//! be, all within minutes. Six incidents of six cylinders sent six people to six transducers.
+//! Transducers that warm as the sun comes out, or whose common supply sags, drift within minutes of each other. Six incidents
+//! of six cylinders sent people to twelve sound transducers.
 
 use super::joining::Open;
 use super::shared::Cause;

@@ -12,7 +12,7 @@ pub struct IncidentParameters {
     pub most: f64,
     /// Time after which what a single cylinder is left with is its own, s: that of a warning to clear.
     pub alone: f64,
-    /// The same of a slow drift, s: transducers warm within minutes of each other, and cool so.
+    /// The same of a slow drift, s: transducers warm within minutes of each other, and cool likewise.
     pub alone_drift: f64,
 }
 
