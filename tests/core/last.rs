@@ -342,21 +342,25 @@ fn a_sound_last_transducer_is_not_doubted_for_good() {
     }
 }
 
-/// Beside a sequential detector a wild reading leaves nothing in the observer, and the quiet after it was what confirmed it as an
-/// error: one in fifty of both readings had latched both for twenty minutes.
+/// Beside a sequential detector a wild reading leaves nothing in the observer. With the weights that commissioning finds, the
+/// quiet after it confirmed it as an error: one in fifty of both readings had latched both for twenty minutes.
 #[test]
-fn wild_readings_of_both_latch_neither() {
-    let spikes = |sensor| format!("spike,size=0.004,probability=0.02,sensor={sensor}");
-    let of = |n: u8| ["c1", "c2"].map(|sensor| format!("{},cylinder={n}", spikes(sensor)));
-    let faults: Vec<String> = (1..=6).flat_map(of).collect();
-    for seed in 1..=4 {
-        let seen = play(setup(), 300.0, &setup().options(seed, &faults));
-        for cylinder in 1..=6 {
-            for suspect in [Suspect::C1, Suspect::C2] {
-                let named = seen.named(cylinder, suspect);
-                assert_eq!(seen.black(cylinder, suspect), None, "{seed}, {cylinder}: {named:?}");
-            }
-        }
+fn a_wild_reading_of_the_last_transducer_is_let_pass() {
+    let mut setup = setup().clone();
+    setup.settings.observer.q = [1.58e-6, 2e-7, 1e4];
+    setup.settings.observer.r = [1e-8, 0.0158];
+    let spikes = "spike,size=0.004,probability=0.005";
+    let seen = play(&setup, 120.0, &setup.options(3, &faults("loss", spikes)));
+    for cylinder in 1..=6 {
+        let named = seen.named(cylinder, Suspect::C2);
+        assert_eq!(seen.black(cylinder, Suspect::C2), None, "{cylinder}: {named:?}");
+    }
+    // And a step is not.
+    let seen = play(&setup, 90.0, &setup.options(3, &faults("loss", "step,size=0.004")));
+    for cylinder in 1..=6 {
+        let black = seen.black(cylinder, Suspect::C2).expect("it is found");
+        let onset = 60.0 + later(cylinder);
+        assert!((onset - 1e-3..onset + 0.5).contains(&black), "{cylinder}: {black}");
     }
 }
 
