@@ -169,7 +169,8 @@ impl Open {
 
     /// The incident as it is over at `at`.
     pub fn closed(&self, at: Timestamp, ending: Ending) -> Incident {
-        let end = Some((self.newest, ending));
+        // One that joins the machine's stands until then. It lasted 0 ms in every report, since nothing had changed meanwhile.
+        let end = Some((if ending == Ending::Joined { at } else { self.newest }, ending));
         Incident { progress: Progress::Closed, timestamp: at, end, ..self.incident }
     }
 

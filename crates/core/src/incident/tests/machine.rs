@@ -171,8 +171,9 @@ fn slow_drifts_of_most_cylinders_are_one_incident_of_the_machine() {
     // The first three were their cylinders' own until a fourth showed it, too.
     assert_eq!(story.numbers(Progress::Opened), [1, 2, 3, 4]);
     assert_eq!(story.numbers(Progress::Closed), [1, 2, 3]);
-    let closed = story.told.iter().filter(|it| it.progress == Progress::Closed);
-    assert!(closed.clone().all(|it| it.end.is_some_and(|(_, how)| how == Ending::Joined)));
+    let mut closed = story.told.iter().filter(|it| it.progress == Progress::Closed);
+    let joined = Some((at(120.0), Ending::Joined));
+    assert!(closed.all(|it| it.end == joined), "when the fourth has shown it");
     let told = *story.newest();
     assert_eq!((told.number, told.scope), (4, story.numbers_of(&[1, 2, 3, 4, 5, 6])));
     assert_eq!((told.fault, told.suspect), (Fault::Incipient, Suspect::Process));
