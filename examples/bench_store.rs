@@ -14,6 +14,7 @@ use tertius::appliance::store::{
 };
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
+use tertius::blame::Rule;
 use tertius::config::MachineNames;
 use tertius::incident::{Ending, Excursion, Incident, Outset, Part, Progress, Scope};
 use tertius::monitor::Record;
@@ -51,6 +52,7 @@ fn incident(number: u32) -> Incident {
     let finding = Finding {
         fault,
         suspect,
+        rule: Rule::OneObserver,
         level,
         residual: Some(value),
         threshold: Some(1e-3),

@@ -34,6 +34,15 @@ pub const fn suspect(suspect: Suspect) -> &'static str {
     }
 }
 
+/// A suspect as one word, whatever transducers the cylinder has: `C1`, `undecided`.
+pub const fn suspect_word(suspect: Suspect) -> &'static str {
+    match suspect {
+        Suspect::C1 => "C1",
+        Suspect::C2 => "C2",
+        Suspect::Undecided | Suspect::Process => suspect.name(),
+    }
+}
+
 /// As [`suspect`], about a cylinder that may have C1 alone.
 pub const fn suspect_of(whom: Suspect, is_alone: bool) -> &'static str {
     match whom {

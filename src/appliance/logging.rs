@@ -58,7 +58,8 @@ pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
     let (writer, guard) = worker(Plain(io::stderr()));
     let log = fmt().with_writer(writer).with_target(false).with_ansi(false);
     match format {
-        LogFormat::Json => log.json().try_init(),
+        // A script that asks for more than the text also wants the module.
+        LogFormat::Json => log.json().with_target(true).try_init(),
         LogFormat::Text | LogFormat::Journal => log.try_init(),
     }
     .map_err(LogError::Started)?;

@@ -70,7 +70,7 @@ impl WarningLog {
 
 fn write(warning: &Warning, names: &MachineNames) {
     let finding = &warning.finding;
-    let state = warning.state.name();
+    let said = said(warning);
     let residual = finding.residual.map(|residual| residual * 1e3);
     let gain = finding.gain().map(|gain| gain * 100.0);
     let device = finding.device.map(|device| device.to_string());
@@ -85,12 +85,13 @@ fn write(warning: &Warning, names: &MachineNames) {
                 fault = finding.fault.name(),
                 suspect = finding.suspect.name(),
                 suspect_name = suspect,
+                by = finding.rule.name(),
                 level = finding.level.name(),
                 residual_mm = residual,
                 gain_percent = gain,
                 device = device.as_deref(),
                 timestamp = %warning.timestamp,
-                "{state}"
+                "{said}"
             )
         };
     }
@@ -102,6 +103,15 @@ fn write(warning: &Warning, names: &MachineNames) {
         State::Cleared => tell!(info),
         State::Raised | State::Changed => tell!(warn),
     }
+}
+
+/// What has happened, in a line: `FDE3 raised: cylinder 3, suspect C2 (by frozen-partner)`.
+fn said(warning: &Warning) -> String {
+    let Warning { detector, state, cylinder, finding, .. } = warning;
+    let (detector, state) = (detector.label(), state.name());
+    let suspect = story::suspect_word(finding.suspect);
+    let rule = finding.rule.name();
+    format!("{detector} {state}: cylinder {cylinder}, suspect {suspect} (by {rule})")
 }
 
 fn tell(incident: &Incident, names: &MachineNames) {
@@ -133,6 +143,7 @@ fn tell(incident: &Incident, names: &MachineNames) {
 mod tests {
     use super::*;
     use crate::alarm::{Detector, Finding, Level};
+    use crate::blame::Rule;
     use crate::time::Timestamp;
     use crate::verdict::Suspect;
 
@@ -141,6 +152,7 @@ mod tests {
         let finding = Finding {
             fault: Fault::Abrupt,
             suspect: Suspect::C1,
+            rule: Rule::OneObserver,
             level: Level::Yellow,
             residual: None,
             threshold: None,

@@ -9,7 +9,7 @@ use crate::bus::LogWriter;
 use crate::config::{MachineNames, Settings};
 use crate::estimate::Estimate;
 use crate::incident::Incident;
-use crate::monitor::{Notice, Record, Sink};
+use crate::monitor::{Explanation, Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::PageRecorder;
 use crate::report::stamps::Wraps;
@@ -17,7 +17,7 @@ use crate::report::{
     Episodes, EstimateRow, EstimateTable, Incidents, ResidualRow, ResidualTable, jsonl,
 };
 use crate::sequential::Dwell;
-use crate::time::Timestamp;
+use crate::time::{Span, Timestamp};
 use std::io::{self, BufWriter, Stdout, Write};
 
 const RESIDUALS: &str = "the table of residuals";
@@ -46,6 +46,8 @@ pub struct Output {
     pub recorder: Option<PageRecorder>,
     /// The tables as Parquet files, if they are requested.
     pub columns: Option<ColumnFolder>,
+    /// The time whose findings are to be explained, if any.
+    pub explained: Option<Explained>,
     /// How cylinders and transducers are called.
     names: MachineNames,
     lines: Option<BufWriter<Stdout>>,
@@ -53,6 +55,15 @@ pub struct Output {
     estimates: Option<Behind<EstimateTable<Writer>>>,
     frames: Option<LogWriter<Writer>>,
     failure: Option<Failure>,
+}
+
+/// A time whose findings are to be explained.
+#[derive(Debug)]
+pub struct Explained {
+    /// Since the first frame.
+    pub at: Span,
+    /// The findings then; `None` before that time.
+    pub findings: Option<Vec<Explanation>>,
 }
 
 impl Output {
@@ -87,6 +98,7 @@ impl Output {
             notices: Notices::default(),
             recorder: None,
             columns: None,
+            explained: None,
             names,
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,

@@ -8,7 +8,7 @@ use super::columns::ColumnFolder;
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::history::History;
 use super::machine::Machine;
-use super::output::Output;
+use super::output::{Explained, Output};
 use super::overriding::SetOptions;
 use super::recorded::RecordedInputs;
 use super::recordings;
@@ -18,6 +18,7 @@ use crate::config::visible;
 use crate::monitor::{Estimates, Monitor};
 use crate::report::alignment;
 use crate::report::doubtful;
+use crate::report::explanation;
 use crate::report::human::{self, Heading};
 use crate::report::page::{self, PageRecorder};
 use crate::report::stamps::Stamped;
@@ -84,6 +85,11 @@ pub struct Replay {
     /// buses that of each: first=can0,second=can1
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
+    /// Explains the findings at this time, in seconds after the first frame, instead of replaying the rest: each rule that
+    /// was asked whose fault a finding is, and what it answered
+    #[arg(long, value_name = "SECONDS", value_parser = seconds_after_begin, conflicts_with_all =
+        ["format", "residuals", "estimates", "warnings", "report", "parquet", "history", "state"])]
+    explain: Option<Span>,
     /// Time zone of the text and the page, by its name in the IANA database
     #[arg(long, value_name = "NAME", default_value = "UTC", value_parser = zone)]
     time_zone: TimeZone,
@@ -134,6 +140,12 @@ pub(super) fn zone(name: &str) -> Result<TimeZone, String> {
     })
 }
 
+fn seconds_after_begin(text: &str) -> Result<Span, String> {
+    let seconds = text.parse().ok().filter(|it| (0.0..1e9).contains(it));
+    let expected = || "expected seconds after the first frame, such as 300.5".to_owned();
+    seconds.map(Span::from_seconds).ok_or_else(expected)
+}
+
 fn threads(text: &str) -> Result<usize, String> {
     let wanted = text.parse().ok().filter(|wanted| *wanted > 0);
     wanted.ok_or_else(|| {
@@ -172,6 +184,7 @@ impl Replay {
             threads,
         )?;
         output.columns = columns;
+        output.explained = self.explain.map(|at| Explained { at, findings: None });
         output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
@@ -183,6 +196,9 @@ impl Replay {
         let duration = feed(&mut recording, threads, watched, &mut output, kept.as_mut(), read)?;
         if output.failed() {
             return broken_off(output);
+        }
+        if let Some(explained) = &output.explained {
+            return explain(explained, &machine, duration);
         }
         let statistics = recording.statistics();
         let stamped = Stamped { first: output.first, length: duration };
@@ -372,6 +388,19 @@ struct Replayed<'a> {
     remarks: &'a [String],
     /// Duration from the first frame to the last.
     duration: Span,
+}
+
+/// Writes how the suspects at a time were named.
+fn explain(explained: &Explained, machine: &Machine, duration: Span) -> Result<(), Failure> {
+    let (at, length) = (explained.at.as_seconds(), duration.as_seconds());
+    let Some(findings) = &explained.findings else {
+        return Err(Failure::Wrong(format!(
+            "--explain {at}: the recording ends {length} s after its first frame; give an earlier time"
+        )));
+    };
+    let text = explanation::text(findings, &machine.loaded.settings.names(), at);
+    let written = std::io::stdout().write_all(text.as_bytes());
+    written.map_err(|error| Failure::writing("standard output", &error))
 }
 
 /// Ends a replay whose output cannot be written: a page of the part that was read would look

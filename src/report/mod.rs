@@ -12,6 +12,7 @@ pub mod doubtful;
 pub mod episode;
 pub mod estimates;
 pub mod evaluation;
+pub mod explanation;
 pub mod human;
 pub mod identification;
 pub mod incidents;

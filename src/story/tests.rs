@@ -1,5 +1,6 @@
 use super::*;
 use crate::alarm::{Evidence, Finding, State, Warning};
+use crate::blame::Rule;
 use crate::incident::{Incidents, Progress};
 use crate::verdict::Testimony;
 
@@ -16,6 +17,7 @@ fn finding(suspect: Suspect, by: Option<Testimony>) -> Finding {
     Finding {
         fault: Fault::Incipient,
         suspect,
+        rule: Rule::OneObserver,
         level: Level::Yellow,
         residual: Some(4e-4),
         threshold: None,

@@ -1,6 +1,7 @@
 //! The commands as people run them: their outputs, files and messages.
 
 mod alignment;
+mod blame;
 mod buses;
 mod canopen;
 mod canopen_story;

@@ -8,6 +8,7 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::Command;
+use tertius::blame::Rule;
 use tertius_testing::support::{
     E_TYPE, HANGING_LOAD, Run, Scratch, Seeded, between, command, recorded, recording, replay,
     tertius,
@@ -736,11 +737,12 @@ fn keys(line: &Value) -> BTreeSet<&str> {
 fn check_warning(line: &Value, cylinders: u64) {
     let numbers = ["t", "timestamp", "cylinder", "residual", "threshold"];
     let words = WORDS.map(|(key, _)| key);
-    let expected: BTreeSet<&str> = ["type"].into_iter().chain(numbers).chain(words).collect();
+    let expected: BTreeSet<&str> = ["type", "by"].into_iter().chain(numbers).chain(words).collect();
     assert_eq!(keys(line), expected, "{line}");
     for (key, allowed) in WORDS {
         assert!(line[key].as_str().is_some_and(|word| allowed.contains(&word)), "{key}: {line}");
     }
+    assert!(Rule::ALL.into_iter().any(|rule| line["by"] == rule.name()), "{line}");
     let cylinder = line["cylinder"].as_u64().expect("a number");
     assert!((1..=cylinders).contains(&cylinder), "{line}");
     let apart = line["timestamp"].as_f64().zip(line["t"].as_f64()).map(|(at, t)| at - t);
@@ -763,6 +765,7 @@ fn check_incident(line: &Value, cylinders: u64) {
         "cylinder",
         "level",
         "suspect",
+        "by",
         "named",
         "named_by_its_end",
         "fault",
@@ -795,6 +798,7 @@ fn check_incident(line: &Value, cylinders: u64) {
     let is_named = line["suspect"] != "undecided";
     let named = [line["named"].is_number(), line["named_by_its_end"].is_boolean()];
     assert_eq!(named, [is_named; 2], "{line}");
+    assert_eq!(line["by"].is_string(), is_named, "{line}");
     assert!(!is_named || times[1] <= line["named"].as_f64(), "{line}");
     assert!(!is_closed || line["now"].is_null(), "{line}");
     let compared = ["peak", "peak_at", "limit"].map(|key| line[key].is_number());

@@ -144,7 +144,7 @@ const OF_THE_PLATFORM: [&str; 31] = [
 const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
 /// A file longer than this has more than one noun.
-const LONGEST: usize = 400;
+const LONGEST: usize = 700;
 
 /// Names that several public types of one crate may have: the clocks of telemetry and of the embedded
 /// bus, and the options of a recording and of a socket, which are always used with their module.

@@ -3,7 +3,7 @@
 //! ```text
 //! frames ─→ decode ─ values ─→ sample ─ cycles ─→ observe ─┐ R1, R2
 //!                                 └─────────────→ compare ─┤ R3
-//! the gateway's own frames ←───── alarm ←──── verdict ←────┘
+//! the gateway's own frames ←─── alarm ←─── blame ←─ verdict ←┘
 //! ```
 //!
 //! - [`frame`], [`error_frame`]: CAN and CAN FD frames with their time stamps. [`time`]: points and spans,
@@ -13,12 +13,13 @@
 //!   themselves.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
-//! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
+//! - [`verdict`]: thresholds with hysteresis and the kind of fault.
 //! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples together, which
 //!   transducer it is, and the end stop as a reference.
 //! - [`process`]: faults of the cylinder itself: what spool and pressures say of each other.
 //! - [`estimate`]: the virtual third sensor.
 //! - [`hexapod`]: all cylinders together: the deck's attitude by their lengths, against a sensor on it.
+//! - [`blame`]: whose fault a finding is (Figure 5-17), rule by rule.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`incident`]: the warnings of a cylinder that have one cause, as one story.
 //! - [`monitor`]: all of them as one machine.
@@ -38,6 +39,7 @@
 extern crate alloc;
 
 pub mod alarm;
+pub mod blame;
 pub mod compare;
 pub mod decode;
 pub mod error_frame;

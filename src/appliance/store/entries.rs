@@ -140,6 +140,8 @@ pub struct WarningEntry {
     pub evidence_nats: Option<f64>,
     /// What its device said.
     pub device: Option<String>,
+    /// The rule that named the suspect.
+    pub by: Option<String>,
 }
 
 /// An act of a person.
@@ -329,6 +331,7 @@ pub(super) fn warning_entry(row: &Row<'_>) -> rusqlite::Result<WarningEntry> {
         threshold_m: row.get(7)?,
         evidence_nats: row.get(8)?,
         device: some_text(row, 9)?,
+        by: some_text(row, 10)?,
     })
 }
 

@@ -217,7 +217,7 @@ impl StoreReader {
         page.warnings = self.list(
             &format!(
                 "SELECT at_ns, detector, state, fault, suspect, level, residual_m, threshold_m,
-                     evidence_nats, device FROM warnings
+                     evidence_nats, device, rule FROM warnings
                  WHERE run = ? AND ? IN (0, cylinder) AND at_ns BETWEEN ? AND ?
                  ORDER BY at_ns, id LIMIT {ROWS}"
             ),

@@ -166,8 +166,8 @@ impl Rows<'_> {
         let finding = &warning.finding;
         self.step.execute(
             "INSERT INTO warnings (run, at_ns, cylinder, detector, state, fault, suspect, level,
-                 residual_m, threshold_m, evidence_nats, device)
-             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                 residual_m, threshold_m, evidence_nats, device, rule)
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
             params![
                 self.run,
                 warning.timestamp.as_nanos(),
@@ -181,6 +181,7 @@ impl Rows<'_> {
                 finding.threshold,
                 finding.evidence.map(|evidence| evidence.fault),
                 finding.device.map(|device| device.to_string()),
+                finding.rule.name(),
             ],
         )?;
         Ok(())

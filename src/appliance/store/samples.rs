@@ -2,6 +2,7 @@
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Detector, Finding, Level, State, Warning};
+use crate::blame::Rule;
 use crate::incident::{Ending, Excursion, Incident, Naming, Outset, Part, Progress, Scope};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
@@ -13,6 +14,7 @@ fn finding() -> Finding {
     Finding {
         fault: Fault::Abrupt,
         suspect: Suspect::C1,
+        rule: Rule::OneObserver,
         level: Level::Yellow,
         residual: Some(1.2e-3),
         threshold: Some(1e-3),

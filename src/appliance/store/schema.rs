@@ -21,7 +21,7 @@ const SETTINGS: &str = "PRAGMA cache_size = -1024; PRAGMA synchronous = FULL; \
 
 /// SQL that turns each version into the next; version 0 is an empty file. What has been released is never
 /// changed: another version follows.
-pub const MIGRATIONS: [&str; 4] = [V1, V2, V3, V4];
+pub const MIGRATIONS: [&str; 5] = [V1, V2, V3, V4, V5];
 
 /// Times are nanoseconds since 1970, of frames where a frame is behind it, otherwise of the system. Lengths are
 /// metres. An incident has the number of its event.
@@ -140,6 +140,11 @@ INSERT INTO stops_of_any SELECT id, at_ns, cylinder, c1_m, c2_m FROM stops;
 DROP TABLE stops;
 ALTER TABLE stops_of_any RENAME TO stops;
 CREATE INDEX stops_of_cylinder ON stops (cylinder, id);
+";
+
+/// The rule that named the suspect of a warning.
+const V5: &str = "
+ALTER TABLE warnings ADD COLUMN rule TEXT;
 ";
 
 /// Opens the database at `path` to write, makes it where there is none, and brings an older one up to date. It

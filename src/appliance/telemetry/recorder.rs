@@ -248,6 +248,7 @@ mod tests {
     use crate::alarm::register::{DETECTORS, PLACES};
     use crate::alarm::{Encoder, Finding, Level};
     use crate::appliance::telemetry::clock::SystemClock;
+    use crate::blame::Rule;
     use crate::verdict::{Fault, Suspect};
 
     /// Every place is raised and cleared in one turn, and all of it is sent after that.
@@ -258,6 +259,7 @@ mod tests {
         let finding = Finding {
             fault: Fault::Abrupt,
             suspect: Suspect::C1,
+            rule: Rule::OneObserver,
             level: Level::Yellow,
             residual: None,
             threshold: None,

@@ -62,7 +62,8 @@ struct Feeding<'a> {
     /// Time stamp of the newest frame.
     last: Timestamp,
     begun: bool,
-    /// Whether more is done with a frame than to judge it: it is the first one, or the witness looks at it.
+    /// Whether more is done with a frame than to judge it: it is the first one, the witness looks at it, or a time is to be
+    /// explained.
     attends: bool,
     failure: Option<Failure>,
 }
@@ -82,7 +83,7 @@ impl FrameTaker for Feeding<'_> {
     }
 
     fn glance(&mut self) {
-        self.attends = self.witness.glance(self.monitor);
+        self.attends = self.witness.glance(self.monitor) || self.output.explained.is_some();
     }
 
     fn pause(&mut self, progress: Progress) -> ControlFlow<()> {
@@ -108,6 +109,12 @@ impl Feeding<'_> {
             self.begun = true;
         }
         self.witness.take(frame);
+        if let Some(explained) = &mut self.output.explained
+            && frame.timestamp.since(self.output.first) > explained.at
+        {
+            explained.findings = Some(self.monitor.explain());
+            return ControlFlow::Break(());
+        }
         ControlFlow::Continue(())
     }
 

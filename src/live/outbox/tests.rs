@@ -2,6 +2,7 @@ use super::*;
 use crate::alarm::detector::PLACES;
 use crate::alarm::status::Status;
 use crate::alarm::{Detector, Encoder, Finding, Level, OwnMessage, Register, Warning};
+use crate::blame::Rule;
 use crate::verdict::{Fault, Suspect};
 
 const MS: i64 = 1_000_000;
@@ -34,6 +35,7 @@ fn warning(encoder: &mut Encoder, ms: i64, cylinder: u8) -> OwnFrame {
     let finding = Finding {
         fault: Fault::Abrupt,
         suspect: Suspect::C1,
+        rule: Rule::OneObserver,
         level: Level::Yellow,
         residual: Some(0.0),
         threshold: Some(0.0),
@@ -144,6 +146,7 @@ fn every_place_at_once_goes_out_at_once() {
     let finding = Finding {
         fault: Fault::Abrupt,
         suspect: Suspect::C1,
+        rule: Rule::OneObserver,
         level: Level::Yellow,
         residual: None,
         threshold: None,

@@ -103,6 +103,7 @@ impl TableRow for WarningRow {
         "detector", "", Text, "which detector", |it| word(it.warning.detector.name());
         "fault", "", Text, "the kind of fault", |it| word(it.warning.finding.fault.name());
         "suspect", "", Text, "undecided, c1, c2, process", |it| word(it.warning.finding.suspect.name());
+        "by", "", Text, "rule that named the suspect", |it| word(it.warning.finding.rule.name());
         "suspect_name", "", Text, "name of the transducer that is suspected, if it has one", |it| it.suspect_name.clone().map(Into::into);
         "level", "", Text, "none, yellow, orange, red, black", |it| word(it.warning.finding.level.name());
         "state", "", Text, "raised, changed, cleared", |it| word(it.warning.state.name());

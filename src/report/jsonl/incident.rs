@@ -3,6 +3,7 @@
 use super::named::NameFields;
 use super::{Digits, digits, write_line};
 use crate::alarm::register::DETECTORS;
+use crate::blame::Rule;
 use crate::config::MachineNames;
 use crate::incident::{Incident, Quantity, Scope};
 use crate::story;
@@ -26,6 +27,7 @@ struct IncidentLine<'a> {
     cylinders: Option<Vec<u8>>,
     level: &'static str,
     suspect: &'static str,
+    by: Option<&'static str>,
     named: Option<Digits>,
     named_by_its_end: Option<bool>,
     fault: &'static str,
@@ -54,6 +56,7 @@ struct IncidentLine<'a> {
 struct DetectorFields {
     detector: &'static str,
     suspect: &'static str,
+    by: &'static str,
     raised: Digits,
     raises: u32,
 }
@@ -76,6 +79,7 @@ pub fn incident(
         part.map(|part| DetectorFields {
             detector: detector.name(),
             suspect: part.finding.suspect.name(),
+            by: part.finding.rule.name(),
             raised: since(part.raised),
             raises: part.raises,
         })
@@ -96,6 +100,7 @@ pub fn incident(
             },
             level: incident.level.name(),
             suspect: incident.suspect.name(),
+            by: incident.rule().map(Rule::name),
             named: incident.named.map(|it| since(it.at)),
             named_by_its_end: incident.named.map(|it| it.by_its_end),
             fault: incident.fault.name(),

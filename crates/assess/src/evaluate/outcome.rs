@@ -205,11 +205,13 @@ mod tests {
     use super::*;
     use tertius_core::alarm::Level;
     use tertius_core::alarm::register;
+    use tertius_core::blame::Rule;
 
     fn warning(at: i64, place: usize, state: State, suspect: Suspect) -> Warning {
         let finding = Finding {
             fault: Fault::Abrupt,
             suspect,
+            rule: Rule::OneObserver,
             level: Level::Yellow,
             residual: None,
             threshold: None,

@@ -190,7 +190,6 @@ impl<'a> Connector<'a> {
                 difference: thresholds(settings.comparator_low(), settings.comparator.bound),
                 lasting: judged.lasting_beside(sequential.is_some()),
                 calibrated: settings.is_aligned(n),
-                coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
                 parameters: judged,
                 sample_time: settings.machine.sample_time,
@@ -203,7 +202,8 @@ impl<'a> Connector<'a> {
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),
             deadlines: deadlines(settings),
-            coincidence: settings.cycles(settings.alarm.coincidence),
+            coincidence: Span::from_seconds(settings.alarm.coincidence),
+            coincidence_cycles: settings.cycles(settings.alarm.coincidence),
             clear,
         })
     }

@@ -287,13 +287,16 @@ const fn suspect_code(suspect: Suspect) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blame::Rule;
     use crate::estimate::Source;
 
     /// What a reader makes of a warning who knows nothing of the second table, and the table.
     fn told(fault: Fault, suspect: Suspect) -> [u64; 3] {
         let (residual, threshold, evidence, device) = (None, None, None, None);
         let level = crate::alarm::Level::Yellow;
-        let finding = Finding { fault, suspect, level, residual, threshold, evidence, device };
+        let rule = Rule::OneObserver;
+        let finding =
+            Finding { fault, suspect, rule, level, residual, threshold, evidence, device };
         let [low, high, ..] = warning_bytes(3, Detector::Process, &finding, true);
         let bits = u64::from(low) | u64::from(high) << 8;
         [bits >> 6 & 7, bits >> 9 & 3, bits >> 15]

@@ -159,6 +159,7 @@ impl Register {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blame::Rule;
     use crate::verdict::Fault;
 
     fn at(millis: i64) -> Timestamp {
@@ -170,7 +171,8 @@ mod tests {
         let (residual, threshold) = (Some(residual), Some(1e-3));
         let (evidence, device) = (None, None);
         let level = Level::Yellow;
-        Some(Finding { fault, suspect, level, residual, threshold, evidence, device })
+        let rule = Rule::OneObserver;
+        Some(Finding { fault, suspect, rule, level, residual, threshold, evidence, device })
     }
 
     fn with(places: &[(usize, Option<Finding>)]) -> [Option<Finding>; PLACES] {

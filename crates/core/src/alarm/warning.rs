@@ -2,6 +2,7 @@
 
 use super::detector::Detector;
 use super::level::Level;
+use crate::blame::Rule;
 use crate::sample::DeviceReport;
 use crate::state::whole;
 use crate::time::Timestamp;
@@ -31,6 +32,8 @@ impl State {
 pub struct Finding {
     pub fault: Fault,
     pub suspect: Suspect,
+    /// What has named the suspect.
+    pub rule: Rule,
     pub level: Level,
     /// Residual, m, signed; `None` where the detector has none (a missing reading).
     pub residual: Option<f64>,
@@ -42,7 +45,7 @@ pub struct Finding {
     pub device: Option<DeviceReport>,
 }
 
-whole! { Finding { fault, suspect, level, residual, threshold, evidence, device } }
+whole! { Finding { fault, suspect, rule, level, residual, threshold, evidence, device } }
 
 /// Certainty and onset of a finding.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,6 +118,7 @@ mod tests {
         Finding {
             fault: Fault::Unclassified,
             suspect: Suspect::Undecided,
+            rule: Rule::OneObserver,
             level: Level::Yellow,
             residual: Some(1e-3),
             threshold: Some(8e-4),

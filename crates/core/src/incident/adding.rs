@@ -72,10 +72,10 @@ impl Incident {
 impl Part {
     /// Takes what its detector says now.
     fn take(&mut self, finding: &Finding) {
-        let Finding { fault, suspect, evidence, device, .. } = *finding;
+        let Finding { fault, suspect, rule, evidence, device, .. } = *finding;
         let own = &mut self.finding;
         if !self.has_cleared {
-            (own.fault, own.suspect) = (fault, suspect);
+            (own.fault, own.suspect, own.rule) = (fault, suspect, rule);
             own.evidence = evidence.or(own.evidence);
             own.device = device.or(own.device);
             if evidence.is_some_and(|it| it.by == Some(Testimony::Way)) {
@@ -85,7 +85,7 @@ impl Part {
             return;
         }
         if own.suspect == Suspect::Undecided {
-            own.suspect = suspect;
+            (own.suspect, own.rule) = (suspect, rule);
             if let (Some(own), Some(new)) = (&mut own.evidence, evidence) {
                 (own.location, own.by) = (new.location, new.by);
             }

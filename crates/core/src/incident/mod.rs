@@ -21,6 +21,7 @@ mod tracker;
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Finding, Level};
+use crate::blame::Rule;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
@@ -255,6 +256,11 @@ impl Incident {
     /// The detector that named the suspect; `None` while it is undecided.
     pub fn namer(&self) -> Option<WarningPlace> {
         self.naming_part().map(|(place, _)| place)
+    }
+
+    /// The rule by which that detector has named it; `None` while it is undecided.
+    pub fn rule(&self) -> Option<Rule> {
+        self.part(self.namer()?).map(|part| part.finding.rule)
     }
 
     fn trips(&self) -> bool {

@@ -3,6 +3,7 @@
 use super::{Ending, Incident, Incidents, MOST_AT_ONCE, Progress, Quantities, Quantity};
 use crate::alarm::detector::{DETECTORS, WarningPlace};
 use crate::alarm::{Evidence, Finding, Level, State, Warning};
+use crate::blame::Rule;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use WarningPlace::{Fde1, Fde2, Fde3, PlausibilityOfC1, PlausibilityOfC2, Process, Sequential};
@@ -32,6 +33,7 @@ fn finding(fault: Fault, suspect: Suspect, residual: f64) -> Finding {
     Finding {
         fault,
         suspect,
+        rule: Rule::OneObserver,
         level: Level::Yellow,
         residual,
         threshold,

@@ -1,6 +1,5 @@
 //! The monitor of one cylinder: from the inputs of a cycle to the findings of its detectors.
 
-mod agreement;
 mod allowing;
 mod blanks;
 mod checking;
@@ -13,7 +12,6 @@ mod findings;
 mod judging;
 mod last;
 mod losing;
-mod precedence;
 mod saved;
 mod stopped;
 mod tally;
@@ -24,6 +22,7 @@ mod wild;
 use super::gate::Opening;
 use super::implausible::Implausible;
 use crate::alarm::Approach;
+use crate::blame::BlameMemory;
 use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
 use crate::frame::Buses;
@@ -37,7 +36,6 @@ use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
 use crate::time::Timestamp;
 use crate::verdict::{Bank, Trigger};
-use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
@@ -46,7 +44,6 @@ pub use dead_reckoning::WaySource;
 pub use design::CylinderDesign;
 use devices::Watches;
 use last::LastOne;
-use precedence::Precedence;
 use stopped::{OnStop, StopDrift};
 pub use tally::Tally;
 pub use telling::Evaluated;
@@ -100,8 +97,7 @@ pub struct Cylinder {
     process: Option<Box<Process>>,
     /// Whether the sums of the chambers' pressures are off in many cylinders.
     pub supply_is_odd: bool,
-    agreement: Agreement,
-    precedence: Precedence,
+    blame: BlameMemory,
     last: LastOne,
     /// `None` where there are two transducers, and neither oil nor a drive were learnt.
     reckoning: Option<Box<DeadReckoning>>,
@@ -156,8 +152,11 @@ impl Cylinder {
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),
             supply_is_odd: false,
-            agreement: Agreement::default(),
-            precedence: Precedence::new(design.coincidence),
+            blame: BlameMemory::new(
+                design.coincidence,
+                design.coincidence_cycles,
+                design.bank.sample_time,
+            ),
             last: LastOne::default(),
             reckoning: DeadReckoning::of(&design).map(Box::new),
             tilted: None,
@@ -284,7 +283,7 @@ impl Cylinder {
             self.judge_process(now, good);
             self.reckon_by_oil(now.opened, good);
         }
-        self.judge_precedence();
+        self.follow_standing();
         let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();
         let finds = self.judge_last(is_odd, now, &residuals, good, command);
         if self.sensor.is_some() {

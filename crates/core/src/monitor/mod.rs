@@ -11,6 +11,7 @@ mod counts;
 pub mod cylinder;
 mod devices;
 mod estimates;
+mod explaining;
 mod filling;
 pub mod gate;
 mod implausible;
@@ -42,6 +43,7 @@ use alloc::{boxed::Box, vec::Vec};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation};
 pub use estimates::Estimates;
+pub use explaining::{Answer, Explanation};
 use gate::{Gate, Opening};
 use page::Station;
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
@@ -125,7 +127,7 @@ impl Monitor {
     pub fn new(design: MonitorDesign) -> Self {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
         let silence = Silence::of(&design);
-        let of_incidents = |it: &CylinderDesign| (it.limits(), it.bank.coincidence);
+        let of_incidents = |it: &CylinderDesign| (it.limits(), it.coincidence);
         let sample_time = design.timing.sample_time;
         let incidents = Incidents::new(design.cylinders.iter().map(of_incidents), sample_time);
         let cylinders = design.cylinders.into_iter().map(Cylinder::new);

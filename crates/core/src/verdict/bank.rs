@@ -1,17 +1,16 @@
 //! The bank of fault detection estimators of one cylinder (Figure 5-17), which judges its
 //! residuals.
 
-use super::Verdict;
 use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, classify_difference};
 use super::history::ResidualHistory;
 use super::jump::Jump;
 use super::parameters::{VerdictCycles, VerdictParameters};
 use super::persistence::{Persistence, ResidualSample};
-use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
 use super::unaligned::Unaligned;
+use super::{FdeState, Verdict};
 use crate::state::{state, whole};
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 
 /// Residuals of one cycle, m, signed; `None` where there is nothing to judge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,8 +32,6 @@ pub struct BankDesign {
     pub lasting: u32,
     /// Whether a calibration has told by how much C1 and C2 differ.
     pub calibrated: bool,
-    /// Time within which FDEs that raise saw the same event.
-    pub coincidence: Span,
     /// Signatures of faults in R1 and R2.
     pub signatures: [Signatures; 2],
     pub parameters: &'static VerdictParameters,
@@ -46,15 +43,28 @@ pub struct BankDesign {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
     pub fault: Fault,
-    pub suspect: Suspect,
     /// Newest residual, m, signed.
     pub residual: f64,
     /// Threshold that it has exceeded, m: δ_h, or that of joint evidence.
     pub threshold: f64,
 }
 
-/// Place of FDE3 among the three.
+/// Number of FDEs.
+pub const FDES: usize = 3;
+
+/// Place of FDE3 among them.
 pub const FDE3: usize = 2;
+
+/// The FDEs as whom to blame follows from them.
+#[derive(Clone, Copy, Debug)]
+pub struct Raised {
+    /// States of FDE1, FDE2 and FDE3; on a cylinder without a calibration FDE3's by what the difference has grown by.
+    pub fdes: [FdeState; FDES],
+    /// When what each of them has found began; `None` where it has found nothing.
+    pub found: [Option<Raise>; FDES],
+    /// Whether FDE3 has found no more than that C1 and C2 have never been calibrated.
+    pub is_not_calibrated: bool,
+}
 
 /// FDE1, FDE2 and FDE3 of one cylinder.
 #[derive(Clone, Debug)]
@@ -79,7 +89,6 @@ pub struct Bank {
     joint: f64,
     /// Residuals up to which no FDE is raised, m.
     calm: [f64; 3],
-    coincidence: Span,
     parameters: &'static VerdictParameters,
     cycles: VerdictCycles,
 }
@@ -87,19 +96,18 @@ pub struct Bank {
 state! {
     Bank { triggers, verdicts, persistence, is_exceeded, newest, observed, difference, found, by_joint, any_found }
     parts { unaligned }
-    but { signatures, joint, calm, coincidence, parameters, cycles }
+    but { signatures, joint, calm, parameters, cycles }
 }
 
 /// State of a raised FDE.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     fault: Fault,
-    suspect: Suspect,
     /// Cycles since the residual first exceeded its threshold.
     age: u32,
 }
 
-whole! { Found { fault, suspect, age } }
+whole! { Found { fault, age } }
 
 impl Bank {
     pub fn new(design: &BankDesign) -> Self {
@@ -125,7 +133,6 @@ impl Bank {
             signatures: design.signatures.clone(),
             joint: design.joint,
             calm: [least, least, design.difference.high],
-            coincidence: design.coincidence,
             parameters: design.parameters,
             cycles: design.parameters.cycles(design.sample_time),
         }
@@ -196,7 +203,7 @@ impl Bank {
             unaligned.judge(at, residuals.r[FDE3], length);
         }
         if self.triggers.iter().any(|t| t.raised().is_some()) || self.any_found() {
-            self.remember(at);
+            self.remember();
         }
     }
 
@@ -268,18 +275,13 @@ impl Bank {
         if is_of(r1, r2, jump) { Some(0) } else { is_of(r2, r1, jump.reversed()).then_some(1) }
     }
 
-    /// Restarts the clearing times after a time jump; detections stand. But the side of R3 is
-    /// forgotten, since in the unknown time one transducer may have been repaired and the other
-    /// have failed.
+    /// Restarts the clearing times after a time jump; detections stand.
     pub fn interrupt(&mut self) {
         self.interrupt_of([true; 2]);
     }
 
     /// As [`Self::interrupt`], where only what one or both of the observers follow was `lost`, C1 first.
     pub fn interrupt_of(&mut self, lost: [bool; 2]) {
-        if let Some(found) = &mut self.found[FDE3] {
-            found.suspect = Suspect::Undecided;
-        }
         self.unaligned.iter_mut().for_each(Unaligned::interrupt);
         for (i, lost) in [lost[0], lost[1], true].into_iter().enumerate() {
             if lost {
@@ -306,16 +308,34 @@ impl Bank {
             let high = self.triggers[i].thresholds().high;
             self.found[i].map(|found| Detection {
                 fault: found.fault,
-                suspect: found.suspect,
                 residual: self.newest[i],
                 threshold: if self.by_joint[i] { self.joint } else { high },
             })
         })
     }
 
-    /// Whom FDE3 suspects, and for how many cycles it has been raised.
-    pub fn difference(&self) -> Option<(Suspect, u32)> {
-        self.found[FDE3].map(|found| (found.suspect, found.age))
+    /// For how many cycles FDE3 has been raised.
+    pub fn difference_age(&self) -> Option<u32> {
+        self.found[FDE3].map(|found| found.age)
+    }
+
+    /// The FDEs as whom to blame follows from them.
+    pub fn raised(&self) -> Raised {
+        let mut fdes = core::array::from_fn(|i| FdeState {
+            verdict: self.verdicts[i],
+            raised: self.triggers[i].raised(),
+        });
+        let unaligned = self.unaligned();
+        fdes[FDE3] = unaligned.map_or(fdes[FDE3], Unaligned::fde);
+        let began = |i: usize| {
+            let grown = unaligned.filter(|_| i == FDE3).and_then(Unaligned::grown);
+            grown.or(self.triggers[i].raised())
+        };
+        Raised {
+            fdes,
+            found: core::array::from_fn(|i| self.found[i].and_then(|_| began(i))),
+            is_not_calibrated: self.found[FDE3].is_some_and(|it| it.fault == Fault::NotCalibrated),
+        }
     }
 
     pub const fn any_found(&self) -> bool {
@@ -325,22 +345,20 @@ impl Bank {
     /// Updates the detections of the raised FDEs. Nearly always there are none, so this is kept out
     /// of line.
     #[cold]
-    fn remember(&mut self, at: Timestamp) {
+    fn remember(&mut self) {
         for i in 0..3 {
-            let Some(mut raise) = self.triggers[i].raised() else {
+            if self.triggers[i].raised().is_none() {
                 self.found[i] = None;
                 self.by_joint[i] = false;
                 continue;
-            };
+            }
             if let Some(unaligned) = self.unaligned().filter(|_| i == FDE3) {
                 let found = self.found[i].filter(|it| it.fault == Fault::NotCalibrated);
-                let Some(grown) = unaligned.grown() else {
+                if unaligned.grown().is_none() {
                     let age = found.map_or(0, |found| found.age.saturating_add(1));
-                    let (fault, suspect) = (Fault::NotCalibrated, Suspect::Undecided);
-                    self.found[i] = Some(Found { fault, suspect, age });
+                    self.found[i] = Some(Found { fault: Fault::NotCalibrated, age });
                     continue;
-                };
-                raise = grown;
+                }
                 if found.is_some() {
                     self.found[i] = None;
                 }
@@ -351,11 +369,7 @@ impl Bank {
                 Some(found) if !self.cycles.looks.contains(&age) => found.fault,
                 _ => self.classify(i),
             };
-            let suspect = match self.found[i] {
-                Some(found) if at.since(raise.at) > self.coincidence => found.suspect,
-                _ => self.suspect(i, raise),
-            };
-            self.found[i] = Some(Found { fault, suspect, age });
+            self.found[i] = Some(Found { fault, age });
         }
         self.any_found = self.found.iter().any(Option::is_some);
     }
@@ -363,19 +377,6 @@ impl Bank {
     /// The difference that stands since the start, where it says nothing of a transducer.
     fn unaligned(&self) -> Option<&Unaligned> {
         self.unaligned.as_ref().filter(|it| it.stood())
-    }
-
-    fn suspect(&self, i: usize, own: Raise) -> Suspect {
-        let [fde1, fde2, fde3] = core::array::from_fn(|i| FdeState {
-            verdict: self.verdicts[i],
-            raised: self.triggers[i].raised(),
-        });
-        let fde3 = self.unaligned().map_or(fde3, Unaligned::fde);
-        match i {
-            0 => suspect::of_observer(Suspect::C1, own, fde2, fde3, self.coincidence),
-            1 => suspect::of_observer(Suspect::C2, own, fde1, fde3, self.coincidence),
-            _ => suspect::of_difference(own, fde1, fde2, self.coincidence),
-        }
     }
 
     fn classify(&self, i: usize) -> Fault {

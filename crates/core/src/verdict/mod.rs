@@ -1,4 +1,4 @@
-//! From residuals to verdicts: healthy, faulty or unknown, the kind of fault, and the suspect.
+//! From residuals to verdicts: healthy, faulty or unknown, and the kind of fault.
 
 pub mod bank;
 pub mod fault;
@@ -11,12 +11,12 @@ pub mod trigger;
 mod unaligned;
 
 use crate::state::choice;
-pub use bank::{Bank, BankDesign, FDE3, Residuals};
+pub use bank::{Bank, BankDesign, FDE3, FDES, Raised, Residuals};
 pub use fault::Fault;
 pub use jump::Jump;
 pub use parameters::VerdictParameters;
-pub use suspect::{FdeState, Suspect, Testimony};
-pub use trigger::{Thresholds, Trigger};
+pub use suspect::{Suspect, Testimony};
+pub use trigger::{Raise, Thresholds, Trigger};
 
 /// Verdict of a detector on its residual. Unknown is a verdict of its own: without evidence nothing
 /// is healthy.
@@ -29,3 +29,10 @@ pub enum Verdict {
 }
 
 choice! { Verdict { Unknown, Healthy, Faulty } }
+
+/// An FDE as the others see it.
+#[derive(Clone, Copy, Debug)]
+pub struct FdeState {
+    pub verdict: Verdict,
+    pub raised: Option<Raise>,
+}

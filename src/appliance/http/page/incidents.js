@@ -122,6 +122,6 @@ function page(it, { folder, recordings: all }) {
       element("dt", {}, "Frames"), element("dd", {}, frames)),
     ...list("Acts", it.acts.map((act) => `${utc(act.at_s)} ${act.kind} by ${act.who}${act.note ? `: ${act.note}` : ""}${act.until_s == null ? "" : `, until ${utc(act.until_s)}`}`)),
     ...list("Course", it.revisions.map((revision) => `${utc(revision.at_s)} ${revision.progress}: ${revision.text}`)),
-    ...list("Warnings", it.warnings.map((warning) => `${utc(warning.at_s)} ${warning.detector} ${warning.state}`)),
+    ...list("Warnings", it.warnings.map((warning) => `${utc(warning.at_s)} ${warning.detector} ${warning.state}: ${warning.suspect}${warning.by ? ` by ${warning.by}` : ""}`)),
   ];
 }

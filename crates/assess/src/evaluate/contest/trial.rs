@@ -198,6 +198,7 @@ impl Heard<'_> {
 mod tests {
     use super::*;
     use tertius_core::alarm::{Finding, Level};
+    use tertius_core::blame::Rule;
 
     /// A warning of cylinder 2 by its sequential detector, at `at` ms.
     fn warning(at: i64, state: State, fault: Fault, suspect: Suspect) -> Warning {
@@ -213,6 +214,7 @@ mod tests {
             finding: Finding {
                 fault,
                 suspect,
+                rule: Rule::OneObserver,
                 level: Level::Yellow,
                 residual: None,
                 threshold: None,

@@ -154,6 +154,7 @@ pub(super) mod tests {
     use super::*;
     use tertius_core::alarm::status::Status;
     use tertius_core::alarm::{Detector, Encoder, Finding, Level, OwnFrame};
+    use tertius_core::blame::Rule;
     use tertius_core::estimate::{Estimate, Source};
     use tertius_core::verdict::{Fault, Suspect};
 
@@ -184,6 +185,7 @@ pub(super) mod tests {
         let finding = Finding {
             fault: Fault::Abrupt,
             suspect,
+            rule: Rule::OneObserver,
             level: Level::Yellow,
             residual: Some(-0.0601),
             threshold: None,

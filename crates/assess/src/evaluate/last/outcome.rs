@@ -136,6 +136,7 @@ impl LastQuiet {
 mod tests {
     use super::*;
     use tertius_core::alarm::{Finding, Level, register};
+    use tertius_core::blame::Rule;
     use tertius_core::verdict::Fault;
 
     const PAIR: Pair = Pair { cylinder: 2, last: Suspect::C2, other: Suspect::C1 };
@@ -148,6 +149,7 @@ mod tests {
         let finding = Finding {
             fault: Fault::Abrupt,
             suspect,
+            rule: Rule::OneObserver,
             level: Level::Yellow,
             residual: None,
             threshold: None,

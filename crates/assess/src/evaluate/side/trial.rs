@@ -145,6 +145,7 @@ fn outcome(case: &SideCase, warnings: &[Warning], cylinder: u8, at: f64) -> Side
 mod tests {
     use super::*;
     use tertius_core::alarm::{Finding, Level};
+    use tertius_core::blame::Rule;
     use tertius_core::verdict::Fault as Kind;
 
     fn warning(seconds: f64, state: State, suspect: Suspect) -> Warning {
@@ -157,6 +158,7 @@ mod tests {
             finding: Finding {
                 fault: Kind::Incipient,
                 suspect,
+                rule: Rule::OneObserver,
                 level: Level::Yellow,
                 residual: None,
                 threshold: None,

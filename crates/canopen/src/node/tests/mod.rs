@@ -2,6 +2,7 @@ mod serving;
 
 use super::*;
 use tertius_core::alarm::{Detector, Encoder, Finding, Level, State};
+use tertius_core::blame::Rule;
 use tertius_core::verdict::{Fault, Suspect};
 
 const COUNTS: Counts = Counts {
@@ -158,6 +159,7 @@ fn warning(state: State, cylinder: u8, place: usize, fault: Fault) -> Warning {
     let finding = Finding {
         fault,
         suspect: Suspect::C1,
+        rule: Rule::OneObserver,
         level: Level::Yellow,
         residual,
         threshold,

@@ -1,6 +1,7 @@
 //! Plausibility of the readings of a cylinder: what is plain at once, all else out of line.
 
 use super::{Cylinder, Evaluation, TRANSDUCERS};
+use crate::blame::Accuser;
 use crate::monitor::gate::Opening;
 use crate::monitor::implausible::Checked;
 use crate::sample::device::DeviceWord;
@@ -113,7 +114,8 @@ impl Cylinder {
         let alarm = parted.and_then(Sequential::alarm);
         let (reading, own) = (&self.plausibility[i], [Suspect::C1, Suspect::C2][i]);
         let alarm = alarm.map(|it| (it.suspect, it.stood));
-        let mut apart = [alarm, self.bank.difference()].into_iter().flatten();
+        let named = self.blame.pattern.proposal(Accuser::Fde3).map(|it| it.suspect);
+        let mut apart = [alarm, named.zip(self.bank.difference_age())].into_iter().flatten();
         let before = reading.idle().saturating_add(self.design.observers[i].settle);
         let is_older = |(suspect, age)| suspect != own && age > before;
         apart.any(is_older) && !reading.is_driven()

@@ -57,8 +57,9 @@ pub struct CylinderDesign {
     pub levels: Levels,
     /// Times until the machine trips at which a difference is of another level.
     pub deadlines: Deadlines,
-    /// Cycles within which findings belong to one event.
-    pub coincidence: u32,
+    /// Time within which findings belong to one event, and the same in cycles.
+    pub coincidence: Span,
+    pub coincidence_cycles: u32,
     /// Time of good readings that clears a plausibility warning.
     pub clear: Span,
 }

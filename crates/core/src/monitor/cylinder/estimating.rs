@@ -100,6 +100,7 @@ fn is_displaced(found: &[Option<Finding>; PLACES], suspect: Suspect) -> bool {
 mod tests {
     use super::*;
     use crate::alarm::{Evidence, Level};
+    use crate::blame::Rule;
     use crate::time::Timestamp;
     use crate::verdict::Testimony;
 
@@ -123,6 +124,7 @@ mod tests {
             let finding = Finding {
                 fault: Fault::Incipient,
                 suspect,
+                rule: Rule::OneObserver,
                 level: Level::Yellow,
                 residual: None,
                 threshold: None,
@@ -138,6 +140,7 @@ mod tests {
         let finding = Finding {
             fault: Fault::Noise,
             suspect: Suspect::C2,
+            rule: Rule::OneObserver,
             level: Level::Red,
             residual: None,
             threshold: None,

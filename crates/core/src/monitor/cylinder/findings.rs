@@ -4,9 +4,10 @@ use super::{Cylinder, Implausible, TRANSDUCERS};
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
+use crate::blame::{Accuser, Blamed, Case, Facts, Rule, blame, suspect_of};
 use crate::process::Malfunction;
-use crate::sample::Quality;
-use crate::sequential::Sequential;
+use crate::sample::{Quality, Transducer};
+use crate::sequential::{Alarm, Sequential};
 use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 impl Cylinder {
@@ -37,21 +38,13 @@ impl Cylinder {
 
     /// Present findings of the detectors, in the places of the [`crate::alarm::Register`].
     pub fn findings(&self) -> [Option<Finding>; PLACES] {
-        let [fde1, fde2, fde3] = self.bank.detections();
-        let levels = &self.design.levels;
-        let of_observer =
-            |i, detection| self.observer_finding(self.told(i, self.agreed(i, detection)));
         let mut findings = [None; PLACES];
         let mut put = |place: WarningPlace, finding| findings[place as usize] = finding;
-        for (i, place) in [WarningPlace::Fde1, WarningPlace::Fde2].into_iter().enumerate() {
-            let found = [fde1, fde2][i];
-            let usual = || found.map(|detection| of_observer(i, detection));
-            // What both are off by comes after all that names one of them.
-            let shared = || self.shared_finding().filter(|_| place == WarningPlace::Fde1);
-            put(place, self.last_finding(i, found).or_else(usual).or_else(shared));
-        }
-        let fde3 = fde3.map(|detection| self.named(detection));
-        put(WarningPlace::Fde3, self.difference_finding(fde3).map(|it| self.in_time(it)));
+        // What both are off by comes after all that names one of them.
+        let fde1 = self.observer_finding(Accuser::Fde1).or_else(|| self.shared_finding());
+        put(WarningPlace::Fde1, fde1);
+        put(WarningPlace::Fde2, self.observer_finding(Accuser::Fde2));
+        put(WarningPlace::Fde3, self.difference_finding().map(|it| self.in_time(it)));
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
@@ -59,70 +52,69 @@ impl Cylinder {
         put(WarningPlace::Sequential, sequential.or_else(|| self.stop_finding()));
         put(WarningPlace::Process, self.process_finding());
         put(WarningPlace::Hexapod, self.hexapod_finding().map(|it| self.in_time(it)));
-        let blames = |i: usize| {
-            let own = [WarningPlace::Fde1, WarningPlace::Fde2][i] as usize;
-            // A single sample of the last one is not yet the loss of both.
-            let counts = |place| place != own || !self.last.is_tentative(i);
-            let is_blamed = |f: &Finding| f.suspect == [Suspect::C1, Suspect::C2][i];
-            (0..PLACES)
-                .any(|place| counts(place) && findings[place].as_ref().is_some_and(is_blamed))
-                || !self.has(TRANSDUCERS[i])
-        };
-        if blames(0) && blames(1) {
-            for finding in findings.iter_mut().flatten() {
-                if matches!(finding.suspect, Suspect::C1 | Suspect::C2) {
-                    finding.level = finding.level.max(levels.both);
-                }
-            }
-        }
+        self.raise_where_both_are_blamed(&mut findings);
         findings
     }
 
-    /// The observer's detection, without the blame if the readings agree, or if spool and pressures explain it: the
-    /// cylinder does not do what its command says, and nothing sets C1 and C2 apart.
-    fn agreed(&self, i: usize, detection: Detection) -> Detection {
-        let is_apart = self.bank.verdicts()[2] == Verdict::Faulty
-            || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
-        let is_explained = self.process.as_ref().is_some_and(|it| it.alarm().is_some());
-        if self.agreement.is_shared(i) && detection.suspect == [Suspect::C1, Suspect::C2][i] {
-            return Detection { suspect: Suspect::Undecided, ..detection };
-        }
-        if self.agreement.is_process(i) || is_explained && !is_apart {
-            return Detection { suspect: Suspect::Process, ..detection };
-        }
-        detection
-    }
-
-    /// The detection, unless plausibility clears the transducer that it blames.
-    fn told(&self, k: usize, detection: Detection) -> Detection {
-        Detection { suspect: self.precedence.suspect(k, detection.suspect), ..detection }
-    }
-
-    /// The detection of the difference, which cannot tell by itself whose it is: where the oil or the deck's attitude has
-    /// named the reading that moved, it is the same displacement.
-    fn named(&self, detection: Detection) -> Detection {
-        let alarm = self.sequential.as_ref().and_then(|it| it.alarm());
-        let named = alarm.filter(|it| it.by.is_some_and(Testimony::is_of_the_rod));
-        let latched = [0, 1].map(|i| self.last.is_latched(i));
-        match named {
-            // It was out before the other one came back.
-            None if detection.suspect == Suspect::Undecided && latched[0] != latched[1] => {
-                let suspect = if latched[0] { Suspect::C1 } else { Suspect::C2 };
-                Detection { suspect, ..detection }
+    /// What blames either transducer has the level of both, where each is blamed by something, or does not exist.
+    fn raise_where_both_are_blamed(&self, findings: &mut [Option<Finding>; PLACES]) {
+        let is_blamed = |transducer: Transducer| {
+            let own = [WarningPlace::Fde1, WarningPlace::Fde2][transducer as usize] as usize;
+            // A single sample of the last one is not yet the loss of both.
+            let counts = |place| place != own || !self.last.is_tentative(transducer as usize);
+            let mut each =
+                findings.iter().enumerate().filter_map(|(k, it)| Some((k, it.as_ref()?)));
+            let suspect = suspect_of(transducer);
+            !self.has(transducer) || each.any(|(k, it)| counts(k) && it.suspect == suspect)
+        };
+        if TRANSDUCERS.into_iter().all(is_blamed) {
+            for finding in findings.iter_mut().flatten() {
+                if matches!(finding.suspect, Suspect::C1 | Suspect::C2) {
+                    finding.level = finding.level.max(self.design.levels.both);
+                }
             }
-            Some(alarm) if detection.suspect == Suspect::Undecided => {
-                let suspect = self.precedence.suspect_by_the_rod(2, alarm.suspect);
-                Detection { suspect, ..detection }
-            }
-            _ => self.told(2, detection),
         }
     }
 
-    pub(super) fn observer_finding(&self, detection: Detection) -> Finding {
+    /// What a detector proposes that has found something, see [`crate::blame`].
+    pub(super) fn proposal(&self, accuser: Accuser) -> Option<Blamed> {
+        match accuser {
+            Accuser::Fde1 | Accuser::Fde2 | Accuser::Fde3 => {
+                self.blame.pattern.proposal(accuser).or_else(|| {
+                    let own = accuser.observed().filter(|it| self.last.is_latched(*it as usize));
+                    own.map(|own| Blamed::new(suspect_of(own), Rule::LastTransducer))
+                })
+            }
+            Accuser::Sequential => self.sequential.as_deref()?.alarm().map(proposal_of_samples),
+        }
+    }
+
+    /// Whose fault the finding of `accuser` is. `asked` is told what each rule answers, up to the one that decides.
+    pub fn blame(
+        &self,
+        accuser: Accuser,
+        asked: impl FnMut(Rule, Option<Suspect>),
+    ) -> Option<Blamed> {
+        let alarm = self.sequential.as_deref().and_then(Sequential::alarm);
+        let facts = Facts {
+            is_last: [0, 1].map(|i| self.last.names(i)),
+            is_latched: [0, 1].map(|i| self.last.is_latched(i)),
+            departs: [0, 1].map(|i| self.last.departs(i)),
+            memory: &self.blame,
+            by_the_rod: alarm.and_then(seen_of_the_rod),
+            is_process_found: self.process.as_ref().is_some_and(|it| it.alarm().is_some()),
+            is_apart: self.bank.verdicts()[2] == Verdict::Faulty || alarm.is_some(),
+        };
+        let proposal = self.proposal(accuser)?;
+        Some(blame(&Case { accuser, proposal, facts: &facts }, asked))
+    }
+
+    pub(super) fn found(&self, detection: Detection, blamed: Blamed) -> Finding {
         Finding {
             fault: detection.fault,
-            suspect: detection.suspect,
-            level: self.level(detection.suspect),
+            suspect: blamed.suspect,
+            rule: blamed.rule,
+            level: self.level(blamed.suspect),
             residual: Some(detection.residual),
             threshold: Some(detection.threshold),
             evidence: None,
@@ -141,14 +133,12 @@ impl Cylinder {
 
     fn sequential_finding(&self) -> Option<Finding> {
         let alarm = self.sequential.as_ref()?.alarm()?;
-        let suspect = match alarm.by.is_some_and(Testimony::is_of_the_rod) {
-            true => self.precedence.suspect_by_the_rod(3, alarm.suspect),
-            false => self.precedence.suspect(3, alarm.suspect),
-        };
+        let blamed = self.blame(Accuser::Sequential, |_, _| {})?;
         Some(Finding {
             fault: if alarm.scale.is_some() { Fault::Unclassified } else { alarm.fault },
-            suspect,
-            level: self.level(suspect),
+            suspect: blamed.suspect,
+            rule: blamed.rule,
+            level: self.level(blamed.suspect),
             residual: Some(alarm.size),
             threshold: None,
             evidence: Some(Evidence {
@@ -201,6 +191,7 @@ impl Cylinder {
         Some(Finding {
             fault,
             suspect: Suspect::Process,
+            rule: Rule::ProcessDetector,
             level: self.level(Suspect::Process).max(alarm.urgency.level(&self.design.levels)),
             residual: None,
             threshold: None,
@@ -218,20 +209,26 @@ impl Cylinder {
 
     /// The finding of R3, or of the machine's own rule where that is broken: then with the measured
     /// difference and its limit.
-    fn difference_finding(&self, found: Option<Detection>) -> Option<Finding> {
+    fn difference_finding(&self) -> Option<Finding> {
+        let [.., found] = self.bank.detections();
+        let found = found.zip(self.blame(Accuser::Fde3, |_, _| {}));
         if !self.was_critical {
-            return found.map(|detection| self.observer_finding(detection));
+            return found.map(|(detection, blamed)| self.found(detection, blamed));
         }
-        let (fault, suspect) = match found {
+        let nobodys = (Fault::Unclassified, Blamed::new(Suspect::Undecided, Rule::MeasuredLimit));
+        let (fault, Blamed { suspect, rule }) = match found {
             // The machine trips, whatever nobody has calibrated.
-            Some(detection) if detection.fault == Fault::NotCalibrated => Default::default(),
-            Some(detection) => (detection.fault, detection.suspect),
+            Some((detection, _)) if detection.fault == Fault::NotCalibrated => nobodys,
+            Some((detection, blamed)) => (detection.fault, blamed),
             // C1 − Ĉ2 is not judged, since a reading is frozen; or it is within its bound.
-            None => self.frozen_one().unwrap_or_default(),
+            None => self.frozen_one().map_or(nobodys, |suspect| {
+                (Fault::Frozen, Blamed::new(suspect, Rule::StandingReading))
+            }),
         };
         Some(Finding {
             fault,
             suspect,
+            rule,
             level: self.design.levels.critical,
             residual: Some(self.apart),
             threshold: Some(self.design.critical),
@@ -241,10 +238,10 @@ impl Cylinder {
     }
 
     /// The only transducer that is frozen.
-    fn frozen_one(&self) -> Option<(Fault, Suspect)> {
+    fn frozen_one(&self) -> Option<Suspect> {
         match [0, 1].map(|i| self.is_frozen(i)) {
-            [true, false] => Some((Fault::Frozen, Suspect::C1)),
-            [false, true] => Some((Fault::Frozen, Suspect::C2)),
+            [true, false] => Some(Suspect::C1),
+            [false, true] => Some(Suspect::C2),
             _ => None,
         }
     }
@@ -259,6 +256,7 @@ impl Cylinder {
         Some(Finding {
             fault: implausible.fault,
             suspect,
+            rule: Rule::Plausibility,
             level: self.design.levels.implausible,
             residual: out_of_range.then_some(implausible.beyond),
             threshold: out_of_range.then_some(0.0),
@@ -277,7 +275,7 @@ impl Cylinder {
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
         let verdicts = self.bank.verdicts();
         core::array::from_fn(|i| {
-            let blamed = [Suspect::C1, Suspect::C2][i];
+            let blamed = suspect_of(TRANSDUCERS[i]);
             if !self.has(TRANSDUCERS[i]) {
                 Health::NotFitted
             } else if stands(blamed) {
@@ -295,4 +293,21 @@ impl Cylinder {
             }
         })
     }
+}
+
+/// What the samples weigh, where the sequential detector has found something.
+fn proposal_of_samples(alarm: &Alarm) -> Blamed {
+    let rule = match alarm.by {
+        Some(Testimony::Flow) => Rule::FlowOfOil,
+        Some(Testimony::Attitude) => Rule::DeckAttitude,
+        Some(Testimony::Stop) => Rule::Stop,
+        Some(Testimony::Innovations | Testimony::Way) => Rule::Innovations,
+        None => Rule::NoSide,
+    };
+    Blamed::new(alarm.suspect, rule)
+}
+
+/// Whose reading the rod itself contradicts.
+fn seen_of_the_rod(alarm: &Alarm) -> Option<Blamed> {
+    alarm.by.is_some_and(Testimony::is_of_the_rod).then(|| proposal_of_samples(alarm))
 }

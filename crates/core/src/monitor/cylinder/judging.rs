@@ -1,8 +1,9 @@
 //! Inputs of the detectors of a cylinder in a cycle.
 
-use super::agreement::{Agreement, Readings, is_alone};
-use super::precedence::Standing;
 use super::{Cylinder, Evaluation, Implausible, TRANSDUCERS};
+use crate::blame::Agreement;
+use crate::blame::agreement::{PairState, is_alone};
+use crate::blame::standing::ReadingState;
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
 use crate::process::{ProcessCoverage, ProcessInput};
@@ -64,6 +65,9 @@ impl Cylinder {
         let aside = self.set_former_aside(&mut residuals, &mut innovations, good, resumed);
         let jump = self.sequential.as_deref().and_then(Sequential::jump);
         self.bank.judge(now.at, &residuals, aside, self.length, jump);
+        if self.bank.any_found() || self.blame.pattern.is_any() {
+            self.blame.pattern.follow(now.at, &self.bank.raised());
+        }
         self.keep_uncorrected(&innovations, good);
         (innovations, residuals)
     }
@@ -105,29 +109,28 @@ impl Cylinder {
         self.was_critical = self.critical.raised().is_some() || (self.was_critical && differ);
     }
 
-    /// Judges how a reading that stands still, or is missing, affects detectors that disagree with
-    /// it.
+    /// Follows which reading stands still, or is missing, while a detector is raised.
     #[inline]
-    pub(super) fn judge_precedence(&mut self) {
+    pub(super) fn follow_standing(&mut self) {
         let sequential = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         if self.bank.any_found() || sequential {
-            self.judge_standing(sequential);
+            self.take_standing(sequential);
         } else {
             // Nearly always: nobody is blamed.
-            self.precedence.rest();
+            self.blame.standing.rest();
         }
     }
 
     #[cold]
-    fn judge_standing(&mut self, sequential: bool) {
+    fn take_standing(&mut self, sequential: bool) {
         let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);
         let raised = [fde1, fde2, fde3, sequential];
-        let standing = core::array::from_fn(|i| Standing {
+        let standing = core::array::from_fn(|i| ReadingState {
             known: self.implausible[i].raised().then_some(self.implausible[i].fault),
             alone: self.plausibility[i].stands_alone(),
             idle: self.plausibility[i].idle(),
         });
-        self.precedence.judge(raised, standing);
+        self.blame.standing.follow(raised, standing);
     }
 
     fn is_implausible(&self) -> bool {
@@ -137,7 +140,7 @@ impl Cylinder {
     /// Whether a transducer is under suspicion, and whether the readings have parted that are both plausible.
     #[inline]
     pub(super) fn doubts(&self) -> (bool, bool) {
-        let difference = self.bank.any_found() && self.bank.difference().is_some();
+        let difference = self.bank.any_found() && self.bank.difference_age().is_some();
         let (sequential, is_implausible) = (self.sequential.as_deref(), self.is_implausible());
         let is_doubted =
             difference || is_implausible || sequential.is_some_and(|it| it.alarm().is_some());
@@ -222,15 +225,15 @@ impl Cylinder {
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
         if raised == [false; 2] && !self.bank.is_exceeded() {
             // Nearly always: nobody disagrees.
-            self.agreement = Agreement::default();
+            self.blame.agreement = Agreement::default();
         } else {
-            let readings = Readings {
+            let readings = PairState {
                 apart: sequential.apart(),
                 contradicted: sequential.alarm().is_some(),
                 parted: sequential.is_displaced(),
             };
             let exceeded = [0, 1].map(|i| self.bank.is_open(i));
-            self.agreement.judge(raised, exceeded, [r1, r2], readings);
+            self.blame.agreement.judge(raised, exceeded, [r1, r2], readings);
         }
     }
 }

@@ -92,6 +92,11 @@ impl LastOne {
         self.of[i].latch.is_some()
     }
 
+    /// Whether transducer `i` is latched because it departs from dead reckoning.
+    pub fn departs(&self, i: usize) -> bool {
+        self.of[i].latch.is_some_and(|latch| latch.departs.is_some())
+    }
+
     /// Whether either is latched.
     #[inline]
     pub const fn any_latched(&self) -> bool {
@@ -246,7 +251,7 @@ impl Cylinder {
 
     /// Whether transducer `i` has been the last one since before what is found now.
     fn is_last(&self, i: usize) -> bool {
-        !self.has(TRANSDUCERS[1 - i]) || self.last.of[1 - i].out > self.design.coincidence
+        !self.has(TRANSDUCERS[1 - i]) || self.last.of[1 - i].out > self.design.coincidence_cycles
     }
 
     fn judge_alone(&mut self, i: usize, residuals: &Residuals, good: [Option<Measurement>; 2]) {

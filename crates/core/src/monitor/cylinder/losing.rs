@@ -72,7 +72,7 @@ impl Cylinder {
         }
         self.critical.interrupt();
         self.approach.interrupt();
-        self.precedence.interrupt();
+        self.blame.interrupt();
         self.last.interrupt();
     }
 }

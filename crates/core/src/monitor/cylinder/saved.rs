@@ -5,7 +5,7 @@ use crate::state::state;
 
 state! {
     Cylinder {
-        inputs, pending, plausibility, motions, implausible, observers, commands, uncorrected, bank, agreement, precedence, last, tilted, drifted, estimated,
+        inputs, pending, plausibility, motions, implausible, observers, commands, uncorrected, bank, blame, last, tilted, drifted, estimated,
         critical, approach, length, apart, was_critical, command_missing, command_silent, way, judged, blanks, supply_is_odd, is_busy, is_watched, quantities, tally,
     }
     parts { devices, sequential, on_stop, process, sensor, reckoning }

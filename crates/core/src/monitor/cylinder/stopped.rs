@@ -6,6 +6,7 @@
 
 use super::{Cylinder, Evaluation};
 use crate::alarm::{Evidence, Finding};
+use crate::blame::Rule;
 use crate::compare::Comparator;
 use crate::observe::observer::Measurement;
 use crate::sample::Transducer;
@@ -123,6 +124,7 @@ impl Cylinder {
         Some(Finding {
             fault: Fault::Incipient,
             suspect: Suspect::Undecided,
+            rule: Rule::Stop,
             level: self.design.levels.undecided,
             residual: Some(drift.size),
             threshold: None,

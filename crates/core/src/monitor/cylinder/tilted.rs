@@ -2,6 +2,7 @@
 
 use super::{Cylinder, TRANSDUCERS};
 use crate::alarm::{Evidence, Finding};
+use crate::blame::{Accuser, Rule};
 use crate::hexapod::{TiltError, TiltLeg};
 use crate::sample::Transducer;
 use crate::sequential::Sequential;
@@ -64,7 +65,8 @@ impl Cylinder {
     /// The kind of an error that tilts the deck: a step of that size is seen by the observer, so that what it has not seen
     /// has grown slowly.
     fn kind_of_tilt(&self) -> Fault {
-        let of_observer = self.last_finding(0, self.bank.detections()[0]).map(|it| it.fault);
+        let latched = self.last.names(0).then(|| self.observer_finding(Accuser::Fde1)).flatten();
+        let of_observer = latched.map(|it| it.fault);
         let unseen = if self.design.observes { Fault::Incipient } else { Fault::Unclassified };
         of_observer.unwrap_or(unseen)
     }
@@ -75,6 +77,7 @@ impl Cylinder {
         Some(Finding {
             fault,
             suspect: Suspect::C1,
+            rule: Rule::DeckAttitude,
             level: self.design.levels.both,
             residual: Some(size),
             threshold: None,

@@ -1,8 +1,8 @@
 //! Departures from dead reckoning: of the last transducer, or of both alike.
 
-use super::NAMES;
 use super::displacement::{CONFIRMED, Latch, Limits, Watched};
 use crate::alarm::{Evidence, Finding};
+use crate::blame::{Accuser, Blamed, Rule};
 use crate::monitor::cylinder::Cylinder;
 use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError};
 use crate::observe::observer::Measurement;
@@ -139,35 +139,36 @@ impl Cylinder {
         }
     }
 
-    /// The finding of the observer of transducer `i`, where that is the last one.
-    pub(in super::super) fn last_finding(
-        &self,
-        i: usize,
-        found: Option<Detection>,
-    ) -> Option<Finding> {
+    /// The finding of an observer, or what is latched of its transducer.
+    pub(in super::super) fn observer_finding(&self, accuser: Accuser) -> Option<Finding> {
+        let i = accuser.observed()? as usize;
+        let blamed = self.blame(accuser, |_, _| {})?;
+        let found = self.bank.detections()[i];
         let Some(latch) = self.last.of[i].latch else {
-            let found = found.filter(|_| self.last.names(i))?;
-            return Some(self.observer_finding(Detection { suspect: NAMES[i], ..found }));
+            return found.map(|found| self.found(found, blamed));
         };
         let Latch { fault, residual, threshold, departs } = latch;
-        let latched = Detection { fault, suspect: NAMES[i], residual, threshold };
+        let latched = Detection { fault, residual, threshold };
         let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
-        let finding = self.observer_finding(Detection { suspect: NAMES[i], ..found });
         let evidence = departs.map(|onset| self.departure_evidence([residual, threshold], onset));
-        Some(Finding { level: self.design.levels.both, evidence, ..finding })
+        let level = self.design.levels.both;
+        Some(Finding { level, evidence, ..self.found(found, blamed) })
     }
 
     /// The finding of both transducers, which depart alike.
     pub(in super::super) fn shared_finding(&self) -> Option<Finding> {
         let SharedDeparture { off: residual, limit: threshold, since, is_jump } =
             self.last.shared?;
-        let fault = if is_jump { Fault::Abrupt } else { Fault::Incipient };
-        let found = Detection { fault, suspect: Suspect::Process, residual, threshold };
+        let (fault, rule) = match is_jump {
+            true => (Fault::Abrupt, Rule::BothJump),
+            false => (Fault::Incipient, Rule::BothDepart),
+        };
+        let found = Detection { fault, residual, threshold };
         let evidence = self.departure_evidence([residual, threshold], since);
         let by = if is_jump { Testimony::Innovations } else { Testimony::Way };
         // That it is latched is news where FDE1 stands already.
         let evidence = Some(Evidence { by: Some(by), size: Some(residual), ..evidence });
-        Some(Finding { evidence, ..self.observer_finding(found) })
+        Some(Finding { evidence, ..self.found(found, Blamed::new(Suspect::Process, rule)) })
     }
 
     /// As improbable as a Gaussian error of so many deviations.

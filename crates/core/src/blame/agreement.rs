@@ -10,24 +10,20 @@
 //! in both innovations, since both observers get the same command, while a fault is only in its
 //! own.
 
+use super::BlameParameters;
+use crate::sample::Transducer;
 use crate::state::whole;
 use crate::verdict::VerdictParameters;
 
-/// Part of the innovation below which C1 − C2 does not show it.
-const PART: f64 = VerdictParameters::DEFAULT.shared;
+const P: &BlameParameters = &BlameParameters::DEFAULT;
 
-/// Part of the innovation from which the other observer also sees it. Readings have noise of their
-/// own, and the innovation that first exceeds its threshold is larger than the other.
-const SHARED: f64 = 0.25;
-
-/// Part of the innovation from which the other observer sees the same, where C1 and C2 do not agree: beside a fault of its own
-/// the error of the model is rarely as large.
-const ALIKE: f64 = 0.75;
+/// Part of the innovation below which C1 − C2 does not show it, and above which the other observer sees it.
+const SHARED: f64 = VerdictParameters::DEFAULT.shared;
 
 /// Whether the observer of the `other` transducer sees less than half of the residual `own`, m: an error of the model is in
 /// both. Where the other one does not judge nothing is known.
 pub fn is_alone(own: f64, other: Option<f64>) -> bool {
-    other.is_some_and(|other| other.abs() < PART * own.abs())
+    other.is_some_and(|other| other.abs() < SHARED * own.abs())
 }
 
 /// Whether the observer with the residual `other`, m, sees more than this `part` of the residual `own`, m, in the same
@@ -38,7 +34,7 @@ fn sees(own: f64, other: f64, part: f64) -> bool {
 
 /// What is known of C1 and C2 beside R1 and R2.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Readings {
+pub struct PairState {
     /// Their difference, m, where it is known and healthy.
     pub apart: Option<f64>,
     /// Whether they do not agree after all.
@@ -66,15 +62,15 @@ impl Agreement {
         raised: [bool; 2],
         exceeded: [bool; 2],
         residuals: [Option<f64>; 2],
-        readings: Readings,
+        readings: PairState,
     ) {
-        let Readings { apart, contradicted, parted } = readings;
+        let PairState { apart, contradicted, parted } = readings;
         for i in 0..2 {
             let both = residuals[i].zip(residuals[1 - i]);
-            let shared = || both.is_some_and(|(own, other)| sees(own, other, ALIKE));
+            let shared = || both.is_some_and(|(own, other)| sees(own, other, P.alike));
             let agree = || {
                 both.zip(apart).is_some_and(|((own, other), apart)| {
-                    apart < PART * own.abs() && sees(own, other, SHARED)
+                    apart < SHARED * own.abs() && sees(own, other, P.seen)
                 })
             };
             (self.shared[i], self.process[i]) = match (self.raised[i], raised[i]) {
@@ -87,15 +83,15 @@ impl Agreement {
         self.raised = raised;
     }
 
-    /// Whether the finding of FDE1 (0) or FDE2 (1) is what the controller, or a rod at its stop, makes of a difference that was
-    /// there before, and not its transducer.
-    pub const fn is_shared(&self, i: usize) -> bool {
-        self.shared[i]
+    /// Whether the finding of the observer of a transducer is what the controller, or a rod at its stop, makes of a difference
+    /// that was there before, and not its transducer.
+    pub const fn is_shared(&self, of: Transducer) -> bool {
+        self.shared[of as usize]
     }
 
-    /// Whether the finding of FDE1 (0) or FDE2 (1) is the process, and not its transducer.
-    pub const fn is_process(&self, i: usize) -> bool {
-        self.process[i]
+    /// Whether the finding of the observer of a transducer is the process, and not its transducer.
+    pub const fn is_process(&self, of: Transducer) -> bool {
+        self.process[of as usize]
     }
 }
 
@@ -104,8 +100,8 @@ mod tests {
     use super::*;
 
     /// Readings that differ by so much and have not parted.
-    fn apart(apart: Option<f64>) -> Readings {
-        Readings { apart, ..Readings::default() }
+    fn apart(apart: Option<f64>) -> PairState {
+        PairState { apart, ..PairState::default() }
     }
 
     #[test]
@@ -113,17 +109,17 @@ mod tests {
         let mut agreement = Agreement::default();
         let r = [Some(1.1e-3), Some(0.9e-3)];
         agreement.judge([true, false], [false; 2], r, apart(Some(2e-4)));
-        assert!(agreement.is_process(0) && !agreement.is_process(1));
+        assert!(agreement.is_process(Transducer::C1) && !agreement.is_process(Transducer::C2));
         // Not known any more, and then contradicted.
         agreement.judge([true, false], [false; 2], r, apart(None));
-        assert!(agreement.is_process(0));
+        assert!(agreement.is_process(Transducer::C1));
         agreement.judge(
             [true, false],
             [false; 2],
             r,
-            Readings { contradicted: true, ..apart(None) },
+            PairState { contradicted: true, ..apart(None) },
         );
-        assert!(!agreement.is_process(0));
+        assert!(!agreement.is_process(Transducer::C1));
     }
 
     /// The load doubles: R1 exceeds its threshold, and three samples later, when that is a fault, R2 sees less of it.
@@ -135,16 +131,16 @@ mod tests {
             let mut agreement = Agreement::default();
             agreement.judge([false; 2], [true, false], at_first, apart(Some(1e-4)));
             agreement.judge([true, false], [false; 2], later, apart(Some(1e-4)));
-            agreement.is_process(0)
+            agreement.is_process(Transducer::C1)
         };
         assert!(process(both));
         assert!(!process(later));
         // And the end of a rod's way, where a drifting C1 has driven it, is none of C2's faults.
         let mut agreement = Agreement::default();
-        let parted = Readings { parted: true, ..apart(None) };
+        let parted = PairState { parted: true, ..apart(None) };
         agreement.judge([false; 2], [true, false], [Some(1.6e-3), Some(1.5e-3)], parted);
         agreement.judge([true, false], [false; 2], later, parted);
-        assert!(agreement.is_shared(0));
+        assert!(agreement.is_shared(Transducer::C1));
     }
 
     #[test]
@@ -164,7 +160,7 @@ mod tests {
         for other in [Some(4e-4), Some(-4e-4), None] {
             let mut agreement = Agreement::default();
             agreement.judge([true, false], [false; 2], [Some(-2e-3), other], apart(Some(9.8e-4)));
-            assert!(!agreement.is_process(0), "{other:?}");
+            assert!(!agreement.is_process(Transducer::C1), "{other:?}");
         }
     }
 
@@ -178,26 +174,34 @@ mod tests {
                 [Some(-1.1e-3), Some(1e-3)],
                 apart(difference),
             );
-            assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
+            assert!(
+                !agreement.is_process(Transducer::C1) && !agreement.is_process(Transducer::C2),
+                "{difference:?}"
+            );
             // It was raised then; what comes later is what the observer made of it.
             agreement.judge([true, true], [false; 2], [Some(2e-3), Some(2e-3)], apart(Some(1e-4)));
-            assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
+            assert!(
+                !agreement.is_process(Transducer::C1) && !agreement.is_process(Transducer::C2),
+                "{difference:?}"
+            );
         }
     }
 
     /// The rod is at its stop, or the controller does what nobody was taught, because C1 has drifted off.
     #[test]
     fn what_both_observers_see_of_readings_that_had_parted_is_shared_until_it_clears() {
-        for (i, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+        let [c1, c2] = [Transducer::C1, Transducer::C2];
+        for (own, other, sign) in [(c1, c2, 1.0), (c1, c2, -1.0), (c2, c1, 1.0), (c2, c1, -1.0)] {
+            let i = own as usize;
             let mut agreement = Agreement::default();
-            let mut judge = |raised: bool, [own, other]: [f64; 2], parted| {
-                let mut residuals = [Some(sign * own); 2];
-                residuals[1 - i] = Some(sign * other);
-                let readings = Readings { apart: None, contradicted: parted, parted };
+            let mut judge = |raised: bool, [of_own, of_other]: [f64; 2], parted| {
+                let mut residuals = [Some(sign * of_own); 2];
+                residuals[1 - i] = Some(sign * of_other);
+                let readings = PairState { apart: None, contradicted: parted, parted };
                 let raised = [0, 1].map(|k| raised && k == i);
                 agreement.judge(raised, [false; 2], residuals, readings);
-                assert!(!agreement.is_shared(1 - i));
-                agreement.is_shared(i)
+                assert!(!agreement.is_shared(other));
+                agreement.is_shared(own)
             };
             assert!(!judge(true, [1.7e-3, 1.6e-3], false), "they part with it");
             assert!(!judge(true, [1.7e-3, 1.6e-3], true));
