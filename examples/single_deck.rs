@@ -5,7 +5,8 @@
 
 use std::error::Error;
 use std::path::Path;
-use tertius::alarm::{Detector, State, Warning};
+use tertius::alarm::{State, Warning};
+use tertius::blame::Rule;
 use tertius::config::settings::Settings;
 use tertius::config::{self, design};
 use tertius::controller;
@@ -82,7 +83,7 @@ fn play(simulator: &mut Simulator, monitor: &mut Monitor, seconds: f64) -> Vec<W
     for _ in 0..(seconds / CYCLE) as u64 {
         simulator.step(&mut |frame| monitor.take(frame, &mut warnings));
     }
-    warnings.retain(|it| it.detector == Detector::Hexapod && it.state == State::Raised);
+    warnings.retain(|it| it.finding.rule == Rule::DeckAttitude && it.state == State::Raised);
     warnings
 }
 

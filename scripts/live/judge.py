@@ -21,7 +21,7 @@ STATUS, WARNING = 0x1D1, 0x2D1
 OWN = {STATUS, WARNING, 0x3D1}
 HEALTHY, STALE, STOPPING = 1, 7, 4
 PLAUSIBILITY = 4
-DETECTORS = [None, "fde1", "fde2", "fde3", "plausibility", "sequential", "hexapod"]
+DETECTORS = [None, "fde1", "fde2", "fde3", "plausibility", "sequential", "process"]
 SUSPECTS = ["undecided", "c1", "c2", "process"]
 FAULTS = ["unclassified", "abrupt", "noise", "incipient", "out of range", "broken wire", "frozen",
           "stale"]

@@ -127,7 +127,7 @@ fn ends(values: &[f64]) -> Option<[f64; 2]> {
 fn name(detector: Detector) -> String {
     match detector.basis() {
         Basis::Residual(index) => format!("{} (R{})", detector.label(), index + 1),
-        Basis::Readings | Basis::Samples | Basis::Lengths => detector.label().to_owned(),
+        Basis::Readings | Basis::Samples => detector.label().to_owned(),
     }
 }
 

@@ -226,7 +226,7 @@ pub fn episode_line(first: Timestamp, episode: &Episode, names: &MachineNames) -
     let whom = story::whom(names, episode.cylinder.into(), episode.finding.suspect, false);
     let detector = match episode.detector.basis() {
         Basis::Residual(_) | Basis::Readings => detector,
-        Basis::Samples | Basis::Lengths => format!("{detector} detector"),
+        Basis::Samples => format!("{detector} detector"),
     };
     let size = match (episode.finding.residual, episode.finding.threshold) {
         (Some(_), Some(_)) => format!(", {residual} of {limit}"),

@@ -52,7 +52,7 @@ fn conclusion(incident: &Incident) -> String {
     }
     let by_observer = incident.part(WarningPlace::Fde1).is_some()
         && incident.part(WarningPlace::PlausibilityOfC1).is_none()
-        && incident.part(WarningPlace::Hexapod).is_none();
+        && tilt(incident).is_none();
     let whom = match incident.suspect {
         Suspect::C1 if is_alone && by_observer => {
             "there is no second transducer to ask, so C1 is blamed"
@@ -96,14 +96,11 @@ fn observed(incident: &Incident) -> Vec<Observation> {
         (WarningPlace::Process, "what valve, pressures and rod say of each other"),
     ];
     for (place, what) in weighed {
-        let part = incident.part(place).filter(|part| !is_of_stop(incident, part));
+        let part = incident.part(place).filter(|part| !is_of_an_only_one(incident, part));
         observed.extend(part.map(|part| sampled(part, what)));
     }
     observed.extend(stop(incident).map(stood));
-    // Beside a sequential detector it is no observation of its own, and what it testifies comes last.
-    if incident.is_alone() {
-        observed.extend(incident.part(WarningPlace::Hexapod).map(tilted));
-    }
+    observed.extend(tilt(incident).map(tilted));
     observed.sort_by_key(|it| it.at);
     observed
 }
@@ -175,11 +172,23 @@ fn departs(part: &Part) -> bool {
 
 /// What the stop has found of an only transducer.
 pub(super) fn stop(incident: &Incident) -> Option<&Part> {
-    incident.part(WarningPlace::Sequential).filter(|part| is_of_stop(incident, part))
+    of_an_only_one(incident, Testimony::Stop)
 }
 
-fn is_of_stop(incident: &Incident, part: &Part) -> bool {
-    incident.is_alone() && part.finding.is_of_stop()
+/// What the deck's attitude has found of an only transducer.
+fn tilt(incident: &Incident) -> Option<&Part> {
+    of_an_only_one(incident, Testimony::Attitude)
+}
+
+fn of_an_only_one(incident: &Incident, by: Testimony) -> Option<&Part> {
+    let part = incident.part(WarningPlace::Sequential).filter(|_| incident.is_alone())?;
+    part.finding.evidence.is_some_and(|it| it.by == Some(by)).then_some(part)
+}
+
+/// Whether there is no sequential detector that found it, but the stop or the deck, of an only transducer.
+fn is_of_an_only_one(incident: &Incident, part: &Part) -> bool {
+    let by = part.finding.evidence.and_then(|it| it.by);
+    incident.is_alone() && matches!(by, Some(Testimony::Stop | Testimony::Attitude))
 }
 
 fn stood(part: &Part) -> Observation {

@@ -115,7 +115,7 @@ fn nothing_is_compared_on_a_cylinder_without_c2() {
 fn what_the_deck_says_of_a_single_transducer_is_evidence_of_its_own() {
     let of_deck = finding(Suspect::C1, Some(Testimony::Attitude));
     let of_deck = Finding { residual: Some(-9.5e-3), ..of_deck };
-    let incident = alone_by(WarningPlace::Hexapod, of_deck, 0.2e-3);
+    let incident = alone_by(WarningPlace::Sequential, of_deck, 0.2e-3);
     let told = evidence(&incident);
     let expected = "the deck stood as if C1 were off by 9.50 mm, as no other cylinder explains (9 nats); C1's observer \
                     stayed quiet (0.20 mm of 1.00 mm); so it is C1";

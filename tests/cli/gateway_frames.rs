@@ -23,8 +23,7 @@ const FAULTS: [&str; 8] = [
     "frozen",
     "stale",
 ];
-const DETECTORS: [&str; 8] =
-    ["", "fde1", "fde2", "fde3", "plausibility", "sequential", "hexapod", "process"];
+const DETECTORS: [&str; 7] = ["", "fde1", "fde2", "fde3", "plausibility", "sequential", "process"];
 const SUSPECTS: [&str; 4] = ["undecided", "c1", "c2", "process"];
 const LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];
 

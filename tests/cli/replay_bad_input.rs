@@ -711,7 +711,7 @@ fn time_stamps_without_reason_end_too() {
 
 /// The words that the description allows.
 const WORDS: [(&str, &[&str]); 5] = [
-    ("detector", &["fde1", "fde2", "fde3", "plausibility", "sequential", "hexapod", "process"]),
+    ("detector", &["fde1", "fde2", "fde3", "plausibility", "sequential", "process"]),
     (
         "fault",
         &[

@@ -105,7 +105,7 @@ CHOICES = {
     ("Fd_Status", "Level"): LEVELS,
     ("Fd_Status", "Mode"): ["starting", "monitoring", "gated", "degraded", "stopping"],
     ("Fd_Warning", "Detector"): [
-        None, "fde1", "fde2", "fde3", "plausibility", "sequential", "hexapod", "process",
+        None, "fde1", "fde2", "fde3", "plausibility", "sequential", "process",
     ],
     ("Fd_Warning", "Fault"): [
         "unclassified", "abrupt", "noise", "incipient", "out_of_range", "broken_wire", "frozen",

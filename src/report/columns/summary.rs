@@ -112,7 +112,6 @@ impl TableRow for SummaryRow {
         "warnings_fde3", "", Count, "by fde3", |it| it.warnings(Detector::Fde3);
         "warnings_plausibility", "", Count, "by plausibility", |it| it.warnings(Detector::Plausibility);
         "warnings_sequential", "", Count, "by sequential", |it| it.warnings(Detector::Sequential);
-        "warnings_hexapod", "", Count, "by hexapod, which needs a sensor on the deck", |it| it.warnings(Detector::Hexapod);
         "warnings_process", "", Count, "by process", |it| it.warnings(Detector::Process);
     };
 

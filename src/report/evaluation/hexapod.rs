@@ -35,7 +35,14 @@ pub fn sections(result: &HexapodResult) -> [Section; 2] {
         "drifts of one transducer inside the loop, minutes after the machine began to work: whom the deck's attitude \
          named before it was 20 mm off, and how far it was off then",
     );
-    let header = ["attitude by", "transducers", "hours", "sequential", "hexapod", "a year at most"];
+    let header = [
+        "attitude by",
+        "transducers",
+        "hours",
+        "sequential",
+        "named by the deck",
+        "a year at most",
+    ];
     let mut sheet = Sheet::new(&header.map(str::to_owned));
     for healthy in &result.healthy {
         sheet.add_row(vec![

@@ -179,7 +179,7 @@ fn thresholds(panel: Panel, i: usize, bounds: Bounds) -> Panel {
 const fn place(detector: Detector) -> Option<usize> {
     match detector.basis() {
         Basis::Residual(index) => Some(index),
-        Basis::Readings | Basis::Samples | Basis::Lengths => None,
+        Basis::Readings | Basis::Samples => None,
     }
 }
 

@@ -63,14 +63,11 @@ detectors! {
     /// The plausibility checks, which come before any model.
     Plausibility = 4, "plausibility", "plausibility", Basis::Readings,
         [PlausibilityOfC1, PlausibilityOfC2, PlausibilityOfCommand];
-    /// The evidence of many samples together.
+    /// The evidence of many samples together: of C1 − C2, and on a cylinder without C2 of the mechanical stop or of the
+    /// deck's attitude.
     Sequential = 5, "sequential", "sequential", Basis::Samples, [Sequential];
-    /// The deck's attitude by the lengths of all cylinders, beside a sensor on it: it names the reading that has moved
-    /// where the sequential detector has found that one has, and finds an error of C1 by itself where there is no C2.
-    /// Without such a sensor it is never raised, and Fd_Warning only keeps its number.
-    Hexapod = 6, "hexapod", "hexapod", Basis::Lengths, [Hexapod];
     /// Valve, pressures and supply, by what spool and pressures say of each other.
-    Process = 7, "process", "process", Basis::Samples, [Process];
+    Process = 6, "process", "process", Basis::Samples, [Process];
 }
 
 /// What a detector judges.
@@ -82,8 +79,6 @@ pub enum Basis {
     Readings,
     /// Many samples of a cylinder together, by their evidence.
     Samples,
-    /// The lengths of all cylinders in one cycle.
-    Lengths,
 }
 
 impl Detector {

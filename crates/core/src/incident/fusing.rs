@@ -1,8 +1,7 @@
 //! What the detectors say together.
 //!
-//! Facts about a reading come first, then on a cylinder without C2 the deck's attitude, then the evidence of many samples,
-//! then the difference, then spool and pressures, then the observers in the order in which they were raised. A detector
-//! that has not decided says nothing here.
+//! Facts about a reading come first, then the evidence of many samples, then the difference, then spool and pressures, then the
+//! observers in the order in which they were raised. A detector that has not decided says nothing here.
 
 use super::{Incident, Naming, Part};
 use crate::alarm::detector::WarningPlace;
@@ -30,8 +29,7 @@ impl Incident {
     /// Sums up the parts after a warning at `at`: suspect, kind, size and onset.
     pub(super) fn fuse(&mut self, at: Timestamp) {
         self.name(self.naming_part().map_or(Suspect::Undecided, |(_, suspect)| suspect), at);
-        let weighing = self.part(WarningPlace::Sequential).or_else(|| self.tilted());
-        let weighed = weighing.map(|part| part.finding);
+        let weighed = self.part(WarningPlace::Sequential).map(|part| part.finding);
         let evidence = weighed.and_then(|finding| finding.evidence);
         self.gain = evidence.and_then(|evidence| evidence.gain);
         self.onset = evidence.map_or(self.begin, |evidence| evidence.onset.min(self.begin));
@@ -40,11 +38,6 @@ impl Incident {
         // The observer sees a step in its first sample, the deck's attitude only as a mean that is on its way.
         self.size =
             if self.is_alone() { self.step().or(size) } else { size.or_else(|| self.step()) };
-    }
-
-    /// What the deck's attitude says of the only transducer. Where there are two, it is the sequential detector's finding.
-    fn tilted(&self) -> Option<&Part> {
-        self.part(WarningPlace::Hexapod).filter(|_| self.is_alone())
     }
 
     /// Takes the cycle of its newest warning, in which R3 was `difference`: by how much the readings have parted.
@@ -74,9 +67,7 @@ impl Incident {
 
     /// The detector that is listened to, and whom it suspects; `None` while none has decided.
     pub(super) fn naming_part(&self) -> Option<(WarningPlace, Suspect)> {
-        let tilted = self.tilted().map(|_| WarningPlace::Hexapod);
-        let places =
-            FACTS.into_iter().chain(tilted).chain(BEFORE_OBSERVERS).chain(self.observers());
+        let places = FACTS.into_iter().chain(BEFORE_OBSERVERS).chain(self.observers());
         let mut suspects =
             places.filter_map(|place| Some((place, self.part(place)?.finding.suspect)));
         suspects.find(|(_, suspect)| *suspect != Suspect::Undecided)
@@ -99,8 +90,7 @@ impl Incident {
         let at_onset = |part: &&Part| part.raised.since(self.begin) <= ONSET;
         let named = |part: &&Part| part.finding.fault != Fault::Unclassified;
         let observers = self.observers().map(|place| self.part(place));
-        let parts =
-            || [own].into_iter().chain(others).chain(observers).flatten().chain(self.tilted());
+        let parts = || [own].into_iter().chain(others).chain(observers).flatten();
         // What is wrong with a cylinder takes as long to tell as it takes.
         if let Some(part) = own.filter(|part| self.suspect == Suspect::Process && named(part)) {
             return part.finding.fault;

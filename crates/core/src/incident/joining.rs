@@ -25,8 +25,7 @@ const COME_AGAIN: Span = Span::from_nanos(4_000_000_000);
 const FACT_WITHIN: Span = Span::from_nanos(2_000_000_000);
 
 /// Places of detectors that see C1 and C2 part.
-const PARTING: [WarningPlace; 3] =
-    [WarningPlace::Fde3, WarningPlace::Sequential, WarningPlace::Hexapod];
+const PARTING: [WarningPlace; 2] = [WarningPlace::Fde3, WarningPlace::Sequential];
 
 /// Part of R3 that may be left when the fault behind it has gone.
 const LEFT: f64 = 0.5;
@@ -113,7 +112,7 @@ impl Open {
                 of_oil || PARTING.into_iter().any(has) || names(self.incident.suspect)
             }
             Detector::Plausibility => of_command,
-            Detector::Fde3 | Detector::Sequential | Detector::Hexapod => of_oil || of_command,
+            Detector::Fde3 | Detector::Sequential => of_oil || of_command,
             Detector::Fde1 | Detector::Fde2 => names(warning.finding.suspect) && of_command,
         }
     }
@@ -136,7 +135,7 @@ impl Open {
         match warning.detector.basis() {
             Basis::Readings => age <= FACT_WITHIN,
             Basis::Residual(0 | 1) => age <= SHOWN_AGAIN || self.sees_it_go(warning),
-            Basis::Residual(_) | Basis::Samples | Basis::Lengths => true,
+            Basis::Residual(_) | Basis::Samples => true,
         }
     }
 
@@ -223,6 +222,6 @@ fn growth(warning: &Warning) -> Option<f64> {
     match warning.detector.basis() {
         Basis::Residual(1) => Some(-residual),
         Basis::Residual(_) => Some(residual),
-        Basis::Readings | Basis::Samples | Basis::Lengths => None,
+        Basis::Readings | Basis::Samples => None,
     }
 }

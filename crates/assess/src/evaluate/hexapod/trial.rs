@@ -9,8 +9,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_config::settings::bus_of;
 use tertius_core::alarm::{Detector, State, Warning};
+use tertius_core::blame::Rule;
 use tertius_core::decode::{Inserted, SignalPlan};
 use tertius_core::frame::{BusNumber, Frame, Id};
+use tertius_core::hexapod::LEGS;
 use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::Suspect;
@@ -117,11 +119,17 @@ impl Stand<'_> {
         let options = Options { seed: rng.random(), sea: Some(sea), ..Options::default() };
         let mut simulator = self.decked(grade, witness, Some(varied(rng)), &options)?;
         let warnings = self.told(&mut simulator, design, None, STRETCH);
-        let raises = [Detector::Sequential, Detector::Hexapod].map(|detector| {
-            let own = |it: &&Warning| it.detector == detector && it.state == State::Raised;
-            warnings.iter().filter(own).count() as u64
-        });
-        Ok(HexapodQuiet { raises })
+        let sequential = || warnings.iter().filter(|it| it.detector == Detector::Sequential);
+        let raised = sequential().filter(|it| it.state == State::Raised).count() as u64;
+        let mut is_named = [false; LEGS];
+        let mut named = 0;
+        for warning in sequential() {
+            let by_deck = warning.state != State::Cleared && is_by_deck(warning);
+            let before = &mut is_named[usize::from(warning.cylinder) - 1];
+            named += u64::from(by_deck && !*before);
+            *before = by_deck;
+        }
+        Ok(HexapodQuiet { raises: [raised, named] })
     }
 
     fn told(
@@ -144,6 +152,11 @@ impl Stand<'_> {
     }
 }
 
+/// Whether the deck's attitude has named the suspect.
+fn is_by_deck(warning: &Warning) -> bool {
+    warning.finding.rule == Rule::DeckAttitude
+}
+
 /// What `warnings` say of the drift of `cylinder` that began `at` seconds after the first frame.
 fn outcome(case: &SideCase, warnings: &[Warning], cylinder: u8, at: f64) -> HexapodOutcome {
     let onset: Timestamp = EPOCH.after(Span::from_seconds(at));
@@ -151,7 +164,7 @@ fn outcome(case: &SideCase, warnings: &[Warning], cylinder: u8, at: f64) -> Hexa
     let innocent = if case.transducer == Suspect::C1 { Suspect::C2 } else { Suspect::C1 };
     let said = || warnings.iter().filter(|it| it.timestamp >= onset && it.state != State::Cleared);
     let own = || said().filter(|it| it.cylinder == cylinder);
-    let by_deck = |it: &&Warning| it.detector == Detector::Hexapod;
+    let by_deck = |it: &&Warning| is_by_deck(it);
     let blames = |suspect| move |it: &&Warning| it.finding.suspect == suspect;
     let named = own().filter(by_deck).find(blames(case.transducer));
     let is_other = |it: &&Warning| match it.finding.suspect {

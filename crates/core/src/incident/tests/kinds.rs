@@ -1,7 +1,7 @@
 //! Faults of hydraulics or command beside readings that part.
 
 use super::*;
-use WarningPlace::{Hexapod, PlausibilityOfCommand};
+use WarningPlace::PlausibilityOfCommand;
 
 /// A supply that is short is no reading's fault, nor does it make C1 and C2 differ.
 #[test]
@@ -22,8 +22,7 @@ fn what_is_of_the_hydraulics_and_readings_that_part_are_two_stories_in_either_or
 
     let hydraulics = [(Process, Fault::Leakage), (PlausibilityOfCommand, Fault::Stale)];
     let parting = [(Fde3, Suspect::Undecided), (Fde1, Suspect::C1), (Fde2, Suspect::C2)];
-    let parting =
-        parting.into_iter().chain([(Sequential, Suspect::C1), (Hexapod, Suspect::Undecided)]);
+    let parting = parting.into_iter().chain([(Sequential, Suspect::C1)]);
     for ((place, fault), (other, suspect)) in
         hydraulics.into_iter().flat_map(|one| parting.clone().map(move |other| (one, other)))
     {

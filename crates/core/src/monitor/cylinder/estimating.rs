@@ -86,7 +86,7 @@ fn is_dispute(finding: &Finding) -> bool {
 /// coarse readings drifted apart that made the one that had drifted by 150 mm the one to rely on.
 fn is_resolved(found: &[Option<Finding>; PLACES]) -> bool {
     let names = |it: &Finding| matches!(it.suspect, Suspect::C1 | Suspect::C2);
-    let standing = [WarningPlace::Fde3, WarningPlace::Sequential, WarningPlace::Hexapod];
+    let standing = [WarningPlace::Fde3, WarningPlace::Sequential];
     standing.into_iter().any(|place| found[place as usize].as_ref().is_some_and(names))
 }
 

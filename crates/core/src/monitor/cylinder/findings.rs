@@ -48,10 +48,11 @@ impl Cylinder {
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
-        let sequential = self.sequential_finding().map(|it| self.in_time(it));
+        let sequential = self.sequential_finding().or_else(|| self.tilted_finding());
+        let sequential = sequential.map(|it| self.in_time(it));
+        // What the stop finds of an only transducer stands for months, and comes last.
         put(WarningPlace::Sequential, sequential.or_else(|| self.stop_finding()));
         put(WarningPlace::Process, self.process_finding());
-        put(WarningPlace::Hexapod, self.hexapod_finding().map(|it| self.in_time(it)));
         self.raise_where_both_are_blamed(&mut findings);
         findings
     }
@@ -151,16 +152,6 @@ impl Cylinder {
             }),
             device: None,
         })
-    }
-
-    /// What the deck's attitude finds of the only transducer, or the finding of the sequential detector, where the deck's
-    /// attitude has told whose it is.
-    fn hexapod_finding(&self) -> Option<Finding> {
-        if self.tilted.is_some() {
-            return self.tilted_finding();
-        }
-        let by = self.sequential.as_ref()?.alarm()?.by;
-        self.sequential_finding().filter(|_| by == Some(Testimony::Attitude))
     }
 
     /// The finding of a difference, of another level where that runs towards the machine's own limit. A gain that is off
