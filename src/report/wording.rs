@@ -7,7 +7,7 @@ use crate::alarm::detector::Basis;
 use crate::config::MachineNames;
 use crate::incident::Incident;
 use crate::monitor::Notice;
-use crate::process::detector;
+use crate::process;
 use crate::sequential::Unknown;
 use crate::story;
 use crate::time::Timestamp;
@@ -24,11 +24,11 @@ pub const UNKNOWN: [&str; Unknown::ALL.len()] =
     ["not monitored", "no reading", "not calibrated", "no baseline"];
 
 /// What the process detectors judge by, in the order of [`crate::process::ProcessCoverage::judged`].
-pub const RELATIONS: [&str; detector::RELATIONS] =
+pub const RELATIONS: [&str; process::RELATIONS] =
     ["the spools", "the chambers' pressures", "the flow", "the friction", "the supply"];
 
 /// Columns of the time in which the process detectors judged.
-pub const PROCESS_COLUMNS: [&str; 2 + detector::RELATIONS] = [
+pub const PROCESS_COLUMNS: [&str; 2 + process::RELATIONS] = [
     "cylinder",
     "monitored",
     "by the spool",

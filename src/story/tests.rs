@@ -1,9 +1,13 @@
 use super::*;
 use crate::alarm::{Evidence, Finding, State, Warning};
 use crate::blame::Rule;
-use crate::incident::{Incidents, Progress};
+use crate::incident::{EventTiming, Incidents, Progress};
 use crate::verdict::Testimony;
 
+const TIMING: EventTiming = EventTiming {
+    coincidence: Span::from_nanos(200_000_000),
+    clear: Span::from_nanos(1_000_000_000),
+};
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
 const CYCLE: Span = Span::from_nanos(20_000_000);
 
@@ -28,7 +32,7 @@ fn finding(suspect: Suspect, by: Option<Testimony>) -> Finding {
 
 /// The incident of a sequential warning that blames nobody at first and then, after 4 s, `suspect`.
 fn told(suspect: Suspect, by: Testimony) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+    let mut incidents = Incidents::new([(LIMITS, TIMING)], CYCLE);
     let mut newest = None;
     let warnings = [
         (1.0, State::Raised, finding(Suspect::Undecided, None)),
@@ -58,7 +62,7 @@ fn alone(suspect: Suspect, fault: Fault) -> Incident {
 /// The incident of a finding about a cylinder without C2, with that R1, m.
 fn alone_by(place: WarningPlace, finding: Finding, r1: f64) -> Incident {
     let limits = [1e-3, f64::INFINITY, f64::INFINITY, f64::INFINITY];
-    let mut incidents = Incidents::new([(limits, Span::from_seconds(0.2)); 3], CYCLE);
+    let mut incidents = Incidents::new([(limits, TIMING); 3], CYCLE);
     incidents.take(&Warning {
         timestamp: at(1.0),
         cylinder: 3,
@@ -127,7 +131,7 @@ fn what_the_deck_says_of_a_single_transducer_is_evidence_of_its_own() {
 /// The observer rose by a residual of its own before.
 #[test]
 fn a_departure_from_dead_reckoning_is_told_with_what_looks_the_same() {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+    let mut incidents = Incidents::new([(LIMITS, TIMING)], CYCLE);
     let by_way = finding(Suspect::C2, Some(Testimony::Way));
     let by_way = Finding { residual: Some(-0.0166), threshold: Some(0.0131), ..by_way };
     let rose = Finding { evidence: None, ..finding(Suspect::Undecided, None) };
@@ -203,7 +207,7 @@ fn what_the_samples_themselves_say_stays_with_them() {
 
 /// The incident of warnings that each come at their own time.
 fn of(warnings: &[(f64, WarningPlace, Finding)]) -> Incident {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+    let mut incidents = Incidents::new([(LIMITS, TIMING)], CYCLE);
     let mut end = at(0.0);
     for (seconds, place, finding) in warnings {
         incidents.take(&Warning {
@@ -248,7 +252,7 @@ fn what_spoke_up_is_told_in_the_order_of_time() {
 /// All frames come too late.
 #[test]
 fn what_the_cylinders_share_is_told_once_and_suspects_no_transducer() {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2)); 3], CYCLE);
+    let mut incidents = Incidents::new([(LIMITS, TIMING); 3], CYCLE);
     for cylinder in 1..=3 {
         for (place, suspect) in [
             (WarningPlace::PlausibilityOfC1, Suspect::C1),
@@ -284,7 +288,7 @@ fn what_the_cylinders_share_is_told_once_and_suspects_no_transducer() {
 /// That the observers and the difference stayed quiet is what speaks for the hydraulics.
 #[test]
 fn of_a_fault_of_the_hydraulics_it_is_told_what_stayed_quiet() {
-    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+    let mut incidents = Incidents::new([(LIMITS, TIMING)], CYCLE);
     let leak = Finding { fault: Fault::Leakage, ..finding(Suspect::Process, None) };
     let warning = Warning {
         timestamp: at(1.0),
@@ -332,7 +336,7 @@ fn a_suspect_that_was_named_late_is_told_as_such() {
 #[test]
 fn evidence_tells_why_it_is_not_known_which() {
     let told = |suspect: Suspect, others: Option<f64>| {
-        let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))], CYCLE);
+        let mut incidents = Incidents::new([(LIMITS, TIMING)], CYCLE);
         let finding = Finding { evidence: None, ..finding(suspect, None) };
         let (detector, place) = (Detector::Fde1, WarningPlace::Fde1 as usize);
         let (timestamp, state) = (at(1.0), State::Raised);

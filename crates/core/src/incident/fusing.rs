@@ -3,9 +3,9 @@
 //! Facts about a reading come first, then the evidence of many samples, then the difference, then spool and pressures, then the
 //! observers in the order in which they were raised. A detector that has not decided says nothing here.
 
-use super::{Incident, Naming, Part};
+use super::{Incident, IncidentParameters, Naming, Part};
 use crate::alarm::detector::WarningPlace;
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
 /// Places of facts about a reading.
@@ -21,9 +21,7 @@ const BEFORE_OBSERVERS: [WarningPlace; 3] =
 
 const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
-/// Time after the begin within which a detector still sees the onset. What is raised later sees the
-/// fault's course or its end, and does not name its kind.
-const ONSET: Span = Span::from_nanos(500_000_000);
+const ONSET_S: f64 = IncidentParameters::DEFAULT.onset;
 
 impl Incident {
     /// Sums up the parts after a warning at `at`: suspect, kind, size and onset.
@@ -87,7 +85,7 @@ impl Incident {
             Suspect::Undecided => None,
         };
         let others = [WarningPlace::Fde3, WarningPlace::Sequential].map(|place| self.part(place));
-        let at_onset = |part: &&Part| part.raised.since(self.begin) <= ONSET;
+        let at_onset = |part: &&Part| part.raised.since(self.begin).as_seconds() <= ONSET_S;
         let named = |part: &&Part| part.finding.fault != Fault::Unclassified;
         let observers = self.observers().map(|place| self.part(place));
         let parts = || [own].into_iter().chain(others).chain(observers).flatten();
@@ -109,7 +107,7 @@ impl Incident {
             Suspect::C2 => WarningPlace::Fde2,
             Suspect::Undecided | Suspect::Process => WarningPlace::Fde3,
         };
-        let at_onset = |part: &&Part| part.raised.since(self.begin) <= ONSET;
+        let at_onset = |part: &&Part| part.raised.since(self.begin).as_seconds() <= ONSET_S;
         let residual = self.part(place).filter(at_onset)?.finding.residual;
         self.parted.filter(|_| place == WarningPlace::Fde3).or(residual)
     }

@@ -7,28 +7,17 @@
 
 use super::shared::Cause;
 use super::telling::Told;
-use super::{Ending, Incident, Progress, Quantities, Quantity};
+use super::{Ending, EventTiming, Incident, IncidentParameters, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Warning};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
-/// Time after the last warning within which a fault near a threshold may show itself again: the period of a long
-/// wave, since it may be visible in a part of the motion only, less the time that a warning takes to clear.
-const SHOWN_AGAIN: Span = Span::from_nanos(8_000_000_000);
-
-/// The same after the fault was seen to go: a loose contact comes again sooner.
-const COME_AGAIN: Span = Span::from_nanos(4_000_000_000);
-
-/// Time after the begin within which the plausibility checks find out what is wrong with a reading.
-const FACT_WITHIN: Span = Span::from_nanos(2_000_000_000);
+const P: &IncidentParameters = &IncidentParameters::DEFAULT;
 
 /// Places of detectors that see C1 and C2 part.
 const PARTING: [WarningPlace; 2] = [WarningPlace::Fde3, WarningPlace::Sequential];
-
-/// Part of R3 that may be left when the fault behind it has gone.
-const LEFT: f64 = 0.5;
 
 /// An incident that is not closed, and what decides whether a warning belongs to it.
 #[derive(Clone, Copy, Debug)]
@@ -67,8 +56,9 @@ impl Open {
     }
 
     /// Time at which it is over, if no warning stands and none belongs to it until then.
-    pub fn due(&self) -> Timestamp {
-        self.newest.after(if self.can_hide() { SHOWN_AGAIN } else { COME_AGAIN })
+    pub fn due(&self, timing: &EventTiming) -> Timestamp {
+        let come_again = || Span::from_seconds(P.come_again);
+        self.newest.after(if self.can_hide() { timing.shown_again() } else { come_again() })
     }
 
     /// Whether the fault may still be there, although nothing exceeds a threshold: unless it was seen to go, or
@@ -78,10 +68,9 @@ impl Open {
         !self.has_returned && (fault != Fault::Noise || suspect == Suspect::Process)
     }
 
-    /// Whether a warning that is raised belongs to it, if findings within `coincidence` of each other are
-    /// of one event.
-    pub fn takes(&self, warning: &Warning, coincidence: Span) -> bool {
-        if !self.incident.stands() && warning.timestamp >= self.due() {
+    /// Whether a warning that is raised belongs to it.
+    pub fn takes(&self, warning: &Warning, timing: &EventTiming) -> bool {
+        if !self.incident.stands() && warning.timestamp >= self.due(timing) {
             return false;
         }
         if self.is_of_another_kind(warning) {
@@ -92,9 +81,9 @@ impl Open {
             return true;
         }
         if suspect == Suspect::Undecided {
-            return self.is_decided_by(warning);
+            return self.is_decided_by(warning, timing);
         }
-        let at_once = warning.timestamp.since(self.newest) <= coincidence;
+        let at_once = warning.timestamp.since(self.newest) <= timing.coincidence;
         at_once && !(is_fact(warning) && self.has_facts())
     }
 
@@ -130,11 +119,11 @@ impl Open {
 
     /// Whether a warning that names a suspect is about this fault, whose suspect is open: one near its begin, one that
     /// sees it go, or one that weighs all samples since. Any other sees a new fault beside it.
-    fn is_decided_by(&self, warning: &Warning) -> bool {
+    fn is_decided_by(&self, warning: &Warning, timing: &EventTiming) -> bool {
         let age = warning.timestamp.since(self.incident.begin);
         match warning.detector.basis() {
-            Basis::Readings => age <= FACT_WITHIN,
-            Basis::Residual(0 | 1) => age <= SHOWN_AGAIN || self.sees_it_go(warning),
+            Basis::Readings => age.as_seconds() <= P.fact_within,
+            Basis::Residual(0 | 1) => age <= timing.shown_again() || self.sees_it_go(warning),
             Basis::Residual(_) | Basis::Samples => true,
         }
     }
@@ -144,7 +133,7 @@ impl Open {
     fn sees_it_go(&self, warning: &Warning) -> bool {
         let Some(growth) = growth(warning) else { return false };
         match self.difference {
-            Some(before) => (before + growth).abs() < LEFT * before.abs(),
+            Some(before) => (before + growth).abs() < P.left * before.abs(),
             None => self.grew.is_some_and(|grew| grew != (growth > 0.0)),
         }
     }

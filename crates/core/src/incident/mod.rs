@@ -25,7 +25,7 @@ use crate::blame::Rule;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
-pub use parameters::IncidentParameters;
+pub use parameters::{EventTiming, IncidentParameters};
 pub use scope::{Cylinders, Scope};
 pub use tracker::{Incidents, MOST_AT_ONCE};
 

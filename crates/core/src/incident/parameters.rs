@@ -1,5 +1,7 @@
 //! What incidents are told apart by: every number of the family, with its unit and source.
 
+use crate::time::Span;
+
 /// All of them. They were chosen on simulated machines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IncidentParameters {
@@ -14,9 +16,63 @@ pub struct IncidentParameters {
     pub alone: f64,
     /// The same of a slow drift, s: transducers warm within minutes of each other, and cool likewise.
     pub alone_drift: f64,
+    /// A fault near a threshold may be visible in a part of the motion only, and then again within this time, s: the period
+    /// of a long wave.
+    pub wave: f64,
+    /// After a fault was seen to go it comes again within this time, s: a loose contact does so sooner.
+    pub come_again: f64,
+    /// Time after the begin within which the plausibility checks find out what is wrong with a reading, s.
+    pub fact_within: f64,
+    /// Part of R3 that may be left when the fault behind it has gone, 0 to 1.
+    pub left: f64,
+    /// Time after the begin within which a detector still sees the onset, s. What is raised later sees the fault's course or
+    /// its end, and does not name its kind.
+    pub onset: f64,
+}
+
+/// Times by which the warnings of a cylinder are one event, as the machine's owner has them in `[alarm]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventTiming {
+    /// Time within which findings are of one event.
+    pub coincidence: Span,
+    /// Time after which a warning clears.
+    pub clear: Span,
+}
+
+impl EventTiming {
+    /// Time after the last warning has cleared within which a fault near a threshold may show itself again.
+    pub fn shown_again(&self) -> Span {
+        let since_shown = IncidentParameters::DEFAULT.wave - self.clear.as_seconds();
+        Span::from_seconds(since_shown.max(IncidentParameters::DEFAULT.come_again))
+    }
 }
 
 impl IncidentParameters {
-    pub const DEFAULT: Self =
-        Self { moment: 2, least: 2, most: 0.5, alone: 1.0, alone_drift: 300.0 };
+    pub const DEFAULT: Self = Self {
+        moment: 2,
+        least: 2,
+        most: 0.5,
+        alone: 1.0,
+        alone_drift: 300.0,
+        wave: 9.0,
+        come_again: 4.0,
+        fact_within: 2.0,
+        left: 0.5,
+        onset: 0.5,
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A warning that takes longer to clear has been shown for as much of the wave's period longer.
+    #[test]
+    fn a_fault_shows_itself_again_within_a_wave_whatever_time_a_warning_takes_to_clear() {
+        let shown_again = |clear: f64| {
+            let [coincidence, clear] = [0.2, clear].map(Span::from_seconds);
+            EventTiming { coincidence, clear }.shown_again().as_seconds()
+        };
+        assert_eq!([shown_again(1.0), shown_again(3.0), shown_again(60.0)], [8.0, 6.0, 4.0]);
+    }
 }

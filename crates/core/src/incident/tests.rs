@@ -4,6 +4,7 @@ use super::{Ending, Incident, Incidents, MOST_AT_ONCE, Progress, Quantities, Qua
 use crate::alarm::detector::{DETECTORS, WarningPlace};
 use crate::alarm::{Evidence, Finding, Level, State, Warning};
 use crate::blame::Rule;
+use crate::incident::EventTiming;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use WarningPlace::{Fde1, Fde2, Fde3, PlausibilityOfC1, PlausibilityOfC2, Process, Sequential};
@@ -12,7 +13,10 @@ mod kinds;
 mod machine;
 mod telling;
 
-const COINCIDENCE: Span = Span::from_nanos(100_000_000);
+const TIMING: EventTiming = EventTiming {
+    coincidence: Span::from_nanos(100_000_000),
+    clear: Span::from_nanos(1_000_000_000),
+};
 const CYCLE: Span = Span::from_nanos(20_000_000);
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
 
@@ -49,7 +53,7 @@ impl Story {
 
     /// Of a machine with so many cylinders.
     fn of(cylinders: usize) -> Self {
-        let each = (0..cylinders).map(|_| (LIMITS, COINCIDENCE));
+        let each = (0..cylinders).map(|_| (LIMITS, TIMING));
         let incidents = Incidents::new(each, CYCLE);
         Self { incidents, told: Vec::new(), goes_on: false }
     }

@@ -4,7 +4,8 @@ use super::drifting::is_of_drift;
 use super::joining::Open;
 use super::shared::{Cause, Shared, fits, is_of_supply};
 use super::{
-    Ending, Incident, IncidentParameters, Progress, QUANTITIES, Quantities, Quantity, Scope,
+    Ending, EventTiming, Incident, IncidentParameters, Progress, QUANTITIES, Quantities, Quantity,
+    Scope,
 };
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{State, Warning};
@@ -53,23 +54,22 @@ state! {
 struct OfCylinder {
     open: [Option<Open>; MOST_AT_ONCE],
     limits: [f64; QUANTITIES],
-    coincidence: Span,
+    timing: EventTiming,
 }
 
 state! {
     OfCylinder { open }
-    but { limits, coincidence }
+    but { limits, timing }
 }
 
 impl Incidents {
-    /// The incidents of cylinders with these limits of their quantities, m, and with this time within which
-    /// findings are of one event; `sample_time` is that of the machine.
+    /// The incidents of cylinders with these limits of their quantities, m, and these times; `sample_time` is that of the
+    /// machine.
     pub fn new(
-        cylinders: impl IntoIterator<Item = ([f64; QUANTITIES], Span)>,
+        cylinders: impl IntoIterator<Item = ([f64; QUANTITIES], EventTiming)>,
         sample_time: Span,
     ) -> Self {
-        let of =
-            |(limits, coincidence)| OfCylinder { open: [None; MOST_AT_ONCE], limits, coincidence };
+        let of = |(limits, timing)| OfCylinder { open: [None; MOST_AT_ONCE], limits, timing };
         let cylinders: Vec<OfCylinder> = cylinders.into_iter().map(of).collect();
         // A cylinder without others has nothing in common with them.
         let cycles = if cylinders.len() < P.least { 0 } else { P.moment };
@@ -177,7 +177,7 @@ impl Incidents {
         mut say: impl FnMut(&Incident),
     ) -> bool {
         let Self { cylinders, shared, count, moment, .. } = self;
-        let places = &mut cylinders[index].open;
+        let OfCylinder { open: places, timing, .. } = &mut cylinders[index];
         for place in places.iter_mut() {
             let Some(open) = place else { continue };
             open.difference = quantities[Quantity::R3 as usize];
@@ -193,7 +193,7 @@ impl Incidents {
             if open.told.is_none() {
                 open.incident.outset.judged = core::array::from_fn(|i| quantities[i].is_some());
             }
-            let is_over = !stands && at >= open.due();
+            let is_over = !stands && at >= open.due(timing);
             if let Some(cause) = open.shared {
                 if let Some(shared) = shared[cause as usize].as_mut().filter(|_| is_over) {
                     shared.release(open.ending());
@@ -331,8 +331,8 @@ impl Open {
 impl OfCylinder {
     /// Takes a warning that is raised into the incident that it belongs to; returns whether it begins one.
     fn raise(&mut self, warning: &Warning, begun: &mut u32) -> bool {
-        let (coincidence, limits) = (self.coincidence, self.limits);
-        let takes = |open: &Open| fits(open.shared, warning) && open.takes(warning, coincidence);
+        let (timing, limits) = (self.timing, self.limits);
+        let takes = |open: &Open| fits(open.shared, warning) && open.takes(warning, &timing);
         let taken = self.newest(takes);
         let free = || self.open.iter().position(Option::is_none);
         let elsewhere =
@@ -349,8 +349,8 @@ impl OfCylinder {
             open.shared = Some(Cause::Supply);
         }
         open.incident.raise(warning);
-        open.follow(warning, coincidence);
-        open.date_naming(warning, coincidence);
+        open.follow(warning, timing.coincidence);
+        open.date_naming(warning, timing.coincidence);
         begins
     }
 

@@ -284,7 +284,7 @@ impl Cylinder {
             self.reckon_by_oil(now.opened, good);
         }
         self.follow_standing();
-        let is_odd = c1.is_odd | c2.is_odd | self.implausible[2].raised();
+        let is_odd = c1.is_odd | c2.is_odd | self.implausible[DeviceRole::Valve as usize].raised();
         let finds = self.judge_last(is_odd, now, &residuals, good, command);
         if self.sensor.is_some() {
             self.estimate(now, good, &residuals);
@@ -344,7 +344,10 @@ impl Cylinder {
             (None, true) => Quality::Stale,
             (None, false) => Quality::Missing,
         };
-        if !quality.is_good() || self.implausible[2].raised() || self.speaks() {
+        if !quality.is_good()
+            || self.implausible[DeviceRole::Valve as usize].raised()
+            || self.speaks()
+        {
             self.doubt_command(quality, now.at);
         }
     }

@@ -127,7 +127,7 @@ impl Monitor {
     pub fn new(design: MonitorDesign) -> Self {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
         let silence = Silence::of(&design);
-        let of_incidents = |it: &CylinderDesign| (it.limits(), it.coincidence);
+        let of_incidents = |it: &CylinderDesign| (it.limits(), it.event_timing());
         let sample_time = design.timing.sample_time;
         let incidents = Incidents::new(design.cylinders.iter().map(of_incidents), sample_time);
         let cylinders = design.cylinders.into_iter().map(Cylinder::new);

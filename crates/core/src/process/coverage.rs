@@ -1,6 +1,6 @@
 //! For how long a process detector judged.
 
-use super::detector::RELATIONS;
+use super::relation::RELATIONS;
 use crate::state::whole;
 
 /// Number of monitored cycles, and of those in which each relation was judged.

@@ -11,6 +11,7 @@ use super::friction::{FrictionDesign, FrictionWatch};
 use super::input::{OilReading, ProcessInput};
 use super::losses::Losses;
 use super::parameters::ProcessParameters;
+use super::relation::{RELATIONS, Relation};
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
 use crate::alarm::Urgency;
@@ -54,7 +55,7 @@ pub struct Process {
     /// h of each relation, nats.
     levels: [f64; RELATIONS],
     /// Of spool and chambers.
-    weighings: [Option<Weighing>; FLOW],
+    weighings: [Option<Weighing>; 2],
     counts: Counts,
     /// α of (3-5).
     area_ratio: f64,
@@ -93,15 +94,6 @@ struct Counts {
     lost: u32,
     gone: u32,
 }
-
-const SPOOL: usize = 0;
-const CHAMBERS: usize = 1;
-const FLOW: usize = 2;
-const FRICTION: usize = 3;
-const SUPPLY: usize = 4;
-
-/// Number of relations: spool, chambers, flow, friction and supply.
-pub const RELATIONS: usize = 5;
 
 impl Process {
     pub fn new(design: ProcessDesign) -> Self {
@@ -163,7 +155,7 @@ impl Process {
     // Of its caller, so that the inputs need not go through memory.
     #[inline(always)]
     pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
-        self.judged = u8::from(self.is_supply_judged) << SUPPLY;
+        self.judged = u8::from(self.is_supply_judged) * Relation::Supply.bit();
         let is_held =
             self.losses.take(input.is_lost, self.counts.lost, self.counts.gone) || input.held;
         self.oil = input.oil(is_held);
@@ -182,9 +174,9 @@ impl Process {
                 self.trace.push(&stand);
                 if stand.is_settled {
                     self.of_spool.push(stand.residual(), stand.variance);
-                    self.judged |= 1 << SPOOL;
-                    if self.is_asked(SPOOL, &self.of_spool) {
-                        self.weigh(SPOOL, input.at);
+                    self.judged |= Relation::Spool.bit();
+                    if self.is_asked(Relation::Spool, &self.of_spool) {
+                        self.weigh(Relation::Spool, input.at);
                     }
                 }
             }
@@ -198,9 +190,9 @@ impl Process {
         });
         if let Some((residual, variance)) = residual {
             self.of_chambers.push(residual, variance);
-            self.judged |= 1 << CHAMBERS;
-            if self.is_asked(CHAMBERS, &self.of_chambers) {
-                self.weigh(CHAMBERS, input.at);
+            self.judged |= Relation::Chambers.bit();
+            if self.is_asked(Relation::Chambers, &self.of_chambers) {
+                self.weigh(Relation::Chambers, input.at);
             }
         }
         let load = input.load(self.area_ratio);
@@ -216,32 +208,33 @@ impl Process {
         self.forget_cycles();
         self.forget_friction();
         let sample = input.passage(input.load(self.area_ratio));
-        let is_asked = input.asked && self.alarms[..SUPPLY] == [None; SUPPLY];
+        let is_well = |it: Relation| self.alarms[it as usize].is_none();
+        let is_asked = input.asked && Relation::OF_CYLINDER.into_iter().all(is_well);
         self.flow.as_mut()?.step_held(sample, is_asked, input.is_gain)
     }
 
     /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.
     #[inline(always)]
     fn step_flow(&mut self, input: &ProcessInput, load: Option<f64>) {
-        if self.alarms[CHAMBERS].is_some() {
+        if self.alarms[Relation::Chambers as usize].is_some() {
             self.forget_flow();
             return;
         }
         let Some(flow) = &mut self.flow else { return };
         let sample = input.passage(load);
         let is_complete = flow.step(sample);
-        self.judged |= u8::from(flow.is_judging()) << FLOW;
+        self.judged |= u8::from(flow.is_judging()) * Relation::Flow.bit();
         if !is_complete {
             return;
         }
         let cycles = flow.block();
-        let level = self.levels[FLOW];
-        let peak = match self.alarms[FLOW] {
+        let level = self.levels[Relation::Flow as usize];
+        let peak = match self.alarms[Relation::Flow as usize] {
             None => flow.peak_in_turn(level),
             Some(_) => flow.peak(self.design.parameters.over * level),
         };
-        if self.alarms[FLOW].is_some() || peak.width > 0 {
-            self.follow(FLOW, peak, cycles, input.at);
+        if self.alarms[Relation::Flow as usize].is_some() || peak.width > 0 {
+            self.follow(Relation::Flow, peak, cycles, input.at);
         }
     }
 
@@ -249,40 +242,41 @@ impl Process {
     #[inline(always)]
     fn step_friction(&mut self, input: &ProcessInput, load: Option<f64>) {
         let Some(friction) = &mut self.friction else { return };
-        let is_odd = self.alarms[CHAMBERS].is_some();
+        let is_odd = self.alarms[Relation::Chambers as usize].is_some();
         let sample = input.forces(load, self.design.is_pair).filter(|_| !is_odd);
         let is_complete = friction.step(sample);
-        self.judged |= u8::from(friction.is_judging()) << FRICTION;
+        self.judged |= u8::from(friction.is_judging()) * Relation::Friction.bit();
         if !is_complete {
             return;
         }
-        let (cycles, is_raised) = (friction.block(), self.alarms[FRICTION].is_some());
+        let (cycles, is_raised) =
+            (friction.block(), self.alarms[Relation::Friction as usize].is_some());
         let peak = if is_raised { friction.peak() } else { friction.peak_in_turn() };
-        if is_raised || peak.nats >= self.levels[FRICTION] {
-            self.follow(FRICTION, peak, cycles, input.at);
+        if is_raised || peak.nats >= self.levels[Relation::Friction as usize] {
+            self.follow(Relation::Friction, peak, cycles, input.at);
         }
     }
 
     /// Whether there is anything to weigh of a relation: an alarm, which is followed by all there is, or evidence.
     #[inline]
-    fn is_asked(&self, which: usize, evidence: &EvidenceWindows) -> bool {
-        let weighing = self.weighings[which].as_ref();
-        self.alarms[which].is_some()
+    fn is_asked(&self, which: Relation, evidence: &EvidenceWindows) -> bool {
+        let weighing = self.weighings[which as usize].as_ref();
+        self.alarms[which as usize].is_some()
             || weighing.is_some_and(|weighing| evidence.has_evidence_in_turn(weighing))
     }
 
     /// Raises, follows or ends the alarm of a relation.
     #[cold]
-    fn weigh(&mut self, which: usize, at: Timestamp) {
-        let Some(weighing) = &self.weighings[which] else { return };
-        let evidence = [&self.of_spool, &self.of_chambers][which];
+    fn weigh(&mut self, which: Relation, at: Timestamp) {
+        let Some(weighing) = &self.weighings[which as usize] else { return };
+        let evidence = [&self.of_spool, &self.of_chambers][which as usize];
         // An alarm is followed by all there is.
-        let [mean, spread] = match self.alarms[which] {
+        let [mean, spread] = match self.alarms[which as usize] {
             None => evidence.peaks_in_turn(weighing),
             Some(_) => evidence.peaks(weighing),
         };
         let peak = if spread.nats > mean.nats { spread } else { mean };
-        if self.alarms[which].is_none() && peak.nats < self.levels[which] {
+        if self.alarms[which as usize].is_none() && peak.nats < self.levels[which as usize] {
             return;
         }
         self.follow(which, peak, 1, at);
@@ -290,19 +284,19 @@ impl Process {
 
     /// Raises, follows or ends an alarm by evidence that is of so many `cycles` a sample.
     #[cold]
-    fn follow(&mut self, which: usize, peak: Peak, cycles: u32, at: Timestamp) {
-        let ended = match &mut self.alarms[which] {
+    fn follow(&mut self, which: Relation, peak: Peak, cycles: u32, at: Timestamp) {
+        let ended = match &mut self.alarms[which as usize] {
             None => {
-                self.alarms[which] = Some(self.raised(which, peak, cycles, at));
+                self.alarms[which as usize] = Some(self.raised(which, peak, cycles, at));
                 false
             }
             Some(alarm) => {
-                let least = self.design.parameters.over * self.levels[which];
+                let least = self.design.parameters.over * self.levels[which as usize];
                 alarm.follow(peak.nats, least, cycles, self.design.clear)
             }
         };
         if ended {
-            self.alarms[which] = None;
+            self.alarms[which as usize] = None;
             self.forget_ended(which);
         } else {
             self.look(which, peak.width);
@@ -310,13 +304,13 @@ impl Process {
         self.is_raised = self.alarms.iter().any(Option::is_some);
     }
 
-    fn raised(&self, which: usize, peak: Peak, cycles: u32, at: Timestamp) -> ProcessAlarm {
+    fn raised(&self, which: Relation, peak: Peak, cycles: u32, at: Timestamp) -> ProcessAlarm {
         let sample = self.design.sample_time * f64::from(cycles);
         let back = sample * peak.width.saturating_sub(1) as f64;
         ProcessAlarm {
             malfunction: match which {
-                CHAMBERS => Malfunction::Chambers,
-                FRICTION => Malfunction::Friction,
+                Relation::Chambers => Malfunction::Chambers,
+                Relation::Friction => Malfunction::Friction,
                 _ => Malfunction::Unclassified,
             },
             size: None,
@@ -329,15 +323,15 @@ impl Process {
     }
 
     /// Looks at the kind and size of an alarm while it is young, or while nobody knows its kind.
-    fn look(&mut self, which: usize, width: usize) {
+    fn look(&mut self, which: Relation, width: usize) {
         match which {
-            FLOW => return self.look_at_flow(),
-            FRICTION => return self.look_at_friction(),
+            Relation::Flow => return self.look_at_flow(),
+            Relation::Friction => return self.look_at_friction(),
             _ => {}
         }
-        let Some(alarm) = &mut self.alarms[which] else { return };
+        let Some(alarm) = &mut self.alarms[which as usize] else { return };
         let [from, until] = self.counts.looks;
-        if which == CHAMBERS {
+        if which == Relation::Chambers {
             if alarm.age <= until {
                 // Of the time before the alarm a part was well.
                 let own = alarm.age as usize + 1;
@@ -357,14 +351,19 @@ impl Process {
     }
 
     fn look_at_friction(&mut self) {
-        let (Some(alarm), Some(friction)) = (&mut self.alarms[FRICTION], &self.friction) else {
+        let (Some(alarm), Some(friction)) =
+            (&mut self.alarms[Relation::Friction as usize], &self.friction)
+        else {
             return;
         };
         alarm.size = friction.size(alarm.age).or(alarm.size);
     }
 
     fn look_at_flow(&mut self) {
-        let (Some(alarm), Some(flow)) = (&mut self.alarms[FLOW], &self.flow) else { return };
+        let (Some(alarm), Some(flow)) = (&mut self.alarms[Relation::Flow as usize], &self.flow)
+        else {
+            return;
+        };
         let is_known = alarm.malfunction != Malfunction::Unclassified;
         if let Some((malfunction, size)) = flow.malfunction(alarm.age, is_known) {
             (alarm.malfunction, alarm.size) = (malfunction, size);

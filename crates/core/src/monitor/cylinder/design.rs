@@ -4,7 +4,7 @@ use crate::alarm::{Deadlines, Levels};
 use crate::compare::Comparator;
 use crate::estimate;
 use crate::frame::BusNumber;
-use crate::incident::QUANTITIES;
+use crate::incident::{EventTiming, QUANTITIES};
 use crate::observe::commands::LearntCommands;
 use crate::observe::observer::ObserverDesign;
 use crate::process::ProcessDesign;
@@ -79,6 +79,11 @@ impl CylinderDesign {
             difference: if self.compares { difference } else { never(difference) },
             ..self.bank.clone()
         }
+    }
+
+    /// Times by which its warnings are one event.
+    pub const fn event_timing(&self) -> EventTiming {
+        EventTiming { coincidence: self.coincidence, clear: self.clear }
     }
 
     /// Limits of the quantities of an incident, m; infinite where a quantity does not exist, as R2 without C2.

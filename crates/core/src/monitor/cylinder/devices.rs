@@ -39,7 +39,8 @@ impl Cylinder {
             DeviceWord::Nothing | DeviceWord::NotOperational => quality,
         };
         let report = self.report(DeviceRole::Valve as usize);
-        self.implausible[2].judge(at, Checked { quality, beyond: 0.0, report });
+        self.implausible[DeviceRole::Valve as usize]
+            .judge(at, Checked { quality, beyond: 0.0, report });
     }
 
     fn watch_mut(&mut self, role: DeviceRole) -> Option<&mut DeviceWatch> {

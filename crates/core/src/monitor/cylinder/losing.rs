@@ -3,6 +3,7 @@
 use super::{Cylinder, TRANSDUCERS};
 use crate::frame::BusNumber;
 use crate::observe::observer::Restart;
+use crate::sample::DeviceRole;
 use crate::sample::plausibility::Plausibility;
 use crate::time::Timestamp;
 
@@ -45,7 +46,7 @@ impl Cylinder {
         if command {
             self.way = 0.0;
             self.commands.reset();
-            self.implausible[2].trigger.interrupt();
+            self.implausible[DeviceRole::Valve as usize].trigger.interrupt();
         }
         self.bank.interrupt_of([c1 || command, c2 || command]);
         self.interrupt_joint();

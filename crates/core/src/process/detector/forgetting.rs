@@ -1,6 +1,7 @@
 //! What a process detector forgets, and when.
 
-use super::{FLOW, FRICTION, Process};
+use super::Process;
+use crate::process::Relation;
 
 impl Process {
     pub(super) fn forget(&mut self) {
@@ -28,10 +29,10 @@ impl Process {
     }
 
     /// Forgets what long windows still have of a fault that is over: it would raise its alarm again.
-    pub(super) fn forget_ended(&mut self, which: usize) {
+    pub(super) fn forget_ended(&mut self, which: Relation) {
         match (which, &mut self.flow, &mut self.friction) {
-            (FLOW, Some(flow), _) => flow.forget_evidence(),
-            (FRICTION, _, Some(friction)) => friction.forget_evidence(),
+            (Relation::Flow, Some(flow), _) => flow.forget_evidence(),
+            (Relation::Friction, _, Some(friction)) => friction.forget_evidence(),
             _ => {}
         }
     }

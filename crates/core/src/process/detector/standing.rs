@@ -2,7 +2,8 @@
 
 use super::super::alarm::ProcessAlarm;
 use super::super::input::OilReading;
-use super::{CHAMBERS, Process, RELATIONS, SUPPLY};
+use super::super::relation::{RELATIONS, Relation};
+use super::Process;
 
 impl Process {
     /// The alarm that counts: pressures that do not add up explain a spool that is off, either of them a supply that falls
@@ -27,7 +28,7 @@ impl Process {
     /// is judged.
     #[inline]
     pub fn take_supply(&mut self, alarm: Option<ProcessAlarm>, is_judged: bool) {
-        self.alarms[SUPPLY] = alarm;
+        self.alarms[Relation::Supply as usize] = alarm;
         self.is_raised = self.alarms.iter().any(Option::is_some);
         self.is_supply_judged = is_judged;
     }
@@ -35,7 +36,7 @@ impl Process {
     /// Whether the chambers' pressures do not add up.
     #[inline]
     pub const fn has_odd_chambers(&self) -> bool {
-        self.alarms[CHAMBERS].is_some()
+        self.alarms[Relation::Chambers as usize].is_some()
     }
 
     /// Whether it compares the chambers' pressures.

@@ -176,7 +176,7 @@ fn friction_is_not_judged_while_a_transducer_is_suspected_nor_by_what_went_befor
         assert_eq!(process.alarm(), None, "{k}");
         let open = if k < 60 * 50 { k } else { k.saturating_sub(120 * 50) };
         let is_known = SAMPLE_TIME * f64::from(open) > settling;
-        let is_judged = process.judged() >> FRICTION & 1 != 0;
+        let is_judged = process.judged() & Relation::Friction.bit() != 0;
         assert!(is_known || !is_judged, "{k}");
         last = if is_judged { k } else { last };
     }
@@ -215,15 +215,16 @@ fn pressures_spool_supply_and_oil_come_before_friction() {
     };
     let named = |process: &Process| process.alarm().map(|alarm| alarm.malfunction);
     let old = process.counts.company;
-    (process.alarms[FRICTION], process.is_raised) = (alarm(Malfunction::Friction, old), true);
+    (process.alarms[Relation::Friction as usize], process.is_raised) =
+        (alarm(Malfunction::Friction, old), true);
     assert_eq!(named(&process), Some(Malfunction::Friction));
     for (which, malfunction) in [
-        (FLOW, Malfunction::Leakage),
-        (SUPPLY, Malfunction::Supply),
-        (SPOOL, Malfunction::Sticking),
-        (CHAMBERS, Malfunction::Chambers),
+        (Relation::Flow, Malfunction::Leakage),
+        (Relation::Supply, Malfunction::Supply),
+        (Relation::Spool, Malfunction::Sticking),
+        (Relation::Chambers, Malfunction::Chambers),
     ] {
-        process.alarms[which] = alarm(malfunction, old);
+        process.alarms[which as usize] = alarm(malfunction, old);
         assert_eq!(named(&process), Some(malfunction));
     }
     let [.., of_blocks] = process.levels;
