@@ -115,7 +115,7 @@ fn everything(loaded: &config::Loaded) -> tertius::monitor::MonitorDesign {
     let text = tertius::dbc::text::from_bytes(&loaded.dbc_text);
     let database = Database::parse(&text).expect("it ships");
     let mut design = design::judging(&loaded.settings, &database).expect("they fit");
-    design.estimates = Estimates::Told;
+    design.estimates = Estimates::Computed;
     design
 }
 

@@ -13,7 +13,7 @@ pub enum Reason {
     EndExpected(&'static str),
     /// Any reason of a format that says everything.
     #[error("{0}")]
-    Told(&'static str),
+    Text(&'static str),
     #[error(
         "the line is longer than {MAX_LINE} bytes: this is not a candump recording, or it lost its \
          line ends"

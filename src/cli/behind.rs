@@ -191,15 +191,15 @@ mod tests {
     }
 
     /// Tells when it is dropped.
-    struct Told(SyncSender<()>);
+    struct DropSignal(SyncSender<()>);
 
-    impl Drop for Told {
+    impl Drop for DropSignal {
         fn drop(&mut self) {
             let _ = self.0.send(());
         }
     }
 
-    impl Table for Told {
+    impl Table for DropSignal {
         type Row = ();
 
         fn write(&mut self, (): &()) -> io::Result<()> {
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn a_table_that_is_given_up_is_gone() {
         let (told, gone) = sync_channel(1);
-        let mut behind = Behind::new(Told(told), 2);
+        let mut behind = Behind::new(DropSignal(told), 2);
         (0..3 * BATCH).for_each(|_| behind.write(()).expect("it takes everything"));
         drop(behind);
         assert!(gone.try_recv().is_ok());

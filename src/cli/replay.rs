@@ -241,7 +241,7 @@ impl Replay {
     ) -> Result<(Monitor, Option<StateFile>), Failure> {
         let mut design = machine.design.clone();
         if self.estimates.is_some() && design.estimates == Estimates::None {
-            design.estimates = Estimates::Told;
+            design.estimates = Estimates::Computed;
         }
         let open = |(path, claimed)| StateFile::open(path, claimed, &design);
         let opened = self.state.as_deref().zip(state).map(open).transpose()?;

@@ -83,9 +83,9 @@ pub struct Turn {
     pub full: bool,
 }
 
-/// Why the bus was not told that the gateway stops.
+/// Why the last status, that the gateway stops, was not sent.
 #[derive(Debug, Error)]
-pub enum NotTold {
+pub enum NotSent {
     #[error(transparent)]
     Port(#[from] PortError),
     #[error("the controller is bus-off")]
@@ -194,7 +194,7 @@ impl Gateway {
         port: &mut dyn Port,
         patience: Duration,
         journal: &mut impl Journal,
-    ) -> Result<(), NotTold> {
+    ) -> Result<(), NotSent> {
         let frame = self.monitor.stopping_status(self.now);
         if self.node.as_ref().is_some_and(|node| !node.sends_pdos()) {
             // NMT has silenced it. That it stops is told by the heartbeat that does not come.
@@ -204,7 +204,7 @@ impl Gateway {
         self.outbox.close(frame);
         for _ in 0..LAST_TRIES {
             if self.health.is_off() {
-                return Err(NotTold::BusOff);
+                return Err(NotSent::BusOff);
             }
             self.send(port, journal)?;
             if self.outbox.waiting() == 0 {
@@ -215,7 +215,7 @@ impl Gateway {
                 _ = ErrorFrame::read(frame).map(|error| health.take(&error));
             })?;
         }
-        Err(NotTold::Full)
+        Err(NotSent::Full)
     }
 
     fn receive(

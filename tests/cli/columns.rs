@@ -11,7 +11,7 @@ use std::process::Command;
 use tertius::config::{self, design};
 use tertius::dbc::{Database, text};
 use tertius::monitor::{Monitor, Sink};
-use tertius::report::columns::{TABLES, columns_told, meaning_key, unit_key};
+use tertius::report::columns::{TABLES, column_descriptions, meaning_key, unit_key};
 use tertius::sequential::Dwell;
 use tertius_testing::process::{read, write};
 use tertius_testing::program;
@@ -484,7 +484,7 @@ fn the_metadata_tell_units_and_the_page_tells_every_column() {
         let (_, section) =
             page.split_once(&format!("\n*{table}*")).expect("the page tells the table");
         let section = section.split("\n*").next().expect("a part");
-        for column in columns_told().iter().filter(|column| column.table == table) {
+        for column in column_descriptions().iter().filter(|column| column.table == table) {
             assert_eq!(known[&*meaning_key(column.name)], column.meaning);
             assert_eq!(known.get(&*unit_key(column.name)).copied().unwrap_or(""), column.unit);
             let row = format!("| `{}` | {} | {} |", column.name, column.unit, column.meaning);

@@ -147,7 +147,7 @@ fn while_the_process_is_blamed_sigma_covers_how_far_the_filters_lag() {
     let setup = plain();
     let play = |seed: u64, faults: &[String]| {
         let mut design = design::judging(&setup.settings, &setup.database).expect("they fit");
-        design.estimates = Estimates::Told;
+        design.estimates = Estimates::Computed;
         let mut simulator = setup.simulator(&setup.options(seed, faults));
         let (mut monitor, mut heard) = (Monitor::new(design), Standing::default());
         for _ in 0..50 * 70 {

@@ -92,7 +92,7 @@ fn machine(tables: Tables) -> Setup {
 
 fn play(setup: &Setup, seconds: f64, options: &Options) -> Seen {
     let mut design = design::judging(&setup.settings, &setup.database).expect("they fit");
-    design.estimates = Estimates::Told;
+    design.estimates = Estimates::Computed;
     let (mut simulator, mut monitor) = (setup.simulator(options), Monitor::new(design));
     let mut seen = Seen::default();
     for _ in 0..(seconds / 0.02) as u64 {

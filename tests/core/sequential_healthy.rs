@@ -105,7 +105,7 @@ fn a_wild_reading_moves_no_estimate() {
     let setup = setup().with(spiky([0.005; 2], 40.0));
     let mut simulator = setup.simulator(&setup.options(3, &[]));
     let (mut seen, mut off) = (0, Vec::new());
-    let design = MonitorDesign { estimates: monitor::Estimates::Told, ..setup.design() };
+    let design = MonitorDesign { estimates: monitor::Estimates::Computed, ..setup.design() };
     let mut monitor = Monitor::new(design);
     for _ in 0..6_000 {
         let truth: [f64; 6] = std::array::from_fn(|leg| simulator.machine().calibrated(leg));

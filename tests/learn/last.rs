@@ -197,7 +197,7 @@ fn both_that_freeze_at_once_on_a_commissioned_machine_are_both_named() {
         let faults = (1..=3).flat_map(|n| ["c1", "c2"].map(|sensor| freeze(n, sensor))).collect();
         let options = Options { seed, sea: Some(sea), faults, ..Options::default() };
         let mut simulator = stand.steady(Grade::Fine, &options).expect("it can be simulated");
-        let told = MonitorDesign { estimates: Estimates::Told, ..learnt.design.clone() };
+        let told = MonitorDesign { estimates: Estimates::Computed, ..learnt.design.clone() };
         let (mut monitor, mut heard) = (Monitor::new(told), Heard::default());
         for _ in 0..50 * 150 {
             simulator.step(&mut |frame| monitor.take(frame, &mut heard));

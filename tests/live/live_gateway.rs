@@ -8,7 +8,7 @@ use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::canopen::node::NmtEvent;
 use tertius::frame::{Frame, Id, Kind};
 use tertius::incident::Incident;
-use tertius::live::gateway::{Gateway, Journal, NotTold, Silent};
+use tertius::live::gateway::{Gateway, Journal, NotSent, Silent};
 use tertius::live::outbox::OutboxLimits;
 use tertius::monitor::{Notice, Record};
 use tertius::time::{Span, Timestamp};
@@ -83,7 +83,7 @@ impl Bench {
         self.gateway.turn(&mut self.port, Duration::ZERO, &mut self.notes).map(drop)
     }
 
-    pub fn stop(&mut self) -> Result<(), NotTold> {
+    pub fn stop(&mut self) -> Result<(), NotSent> {
         self.gateway.stop(&mut self.port, Duration::ZERO, &mut Silent)
     }
 
@@ -305,7 +305,7 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
     bench.run(&bus_traffic()[..2000], 1);
     let mut ear = bench.bus.open(&Identifiers::All, 64).expect("up");
     bench.bus.set_state(BusState::Jammed);
-    assert!(matches!(bench.stop(), Err(NotTold::Full)));
+    assert!(matches!(bench.stop(), Err(NotSent::Full)));
     bench.heard.clear();
     bench.listen(&mut ear);
     assert!(bench.heard.is_empty());
@@ -321,9 +321,9 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
     let mut driver = bench.bus.open_unrestricted(&Identifiers::All, 64).expect("up");
     driver.send_unrestricted(&error_frame(0x040)).expect("up");
     bench.turn().expect("the interface stays up");
-    assert!(matches!(bench.stop(), Err(NotTold::BusOff)));
+    assert!(matches!(bench.stop(), Err(NotSent::BusOff)));
     bench.bus.set_state(BusState::Down);
-    assert!(matches!(bench.stop(), Err(NotTold::BusOff | NotTold::Port(_))));
+    assert!(matches!(bench.stop(), Err(NotSent::BusOff | NotSent::Port(_))));
 }
 
 /// What has the identifier `id`.

@@ -27,7 +27,7 @@ const PATIENCE: Duration = Duration::from_secs(4);
 /// An act, as the page sends it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Told {
+struct ActForm {
     who: String,
     #[serde(default)]
     note: String,
@@ -47,7 +47,7 @@ pub(super) async fn act(
     if let Some(refusal) = refusal(&shared, &connection, &headers) {
         return refusal;
     }
-    let told: Told = match serde_json::from_slice(&body) {
+    let told: ActForm = match serde_json::from_slice(&body) {
         Ok(told) => told,
         Err(error) => return (StatusCode::BAD_REQUEST, format!("{error}\n")).into_response(),
     };

@@ -44,7 +44,7 @@ pub struct RegisterSheet {
 }
 
 /// What a value is: its name, its unit, its meaning.
-pub type Told<'a> = (&'a str, &'static str, &'a str);
+pub type Label<'a> = (&'a str, &'static str, &'a str);
 
 impl RegisterSheet {
     /// A sheet that keeps descriptions, too.
@@ -57,20 +57,20 @@ impl RegisterSheet {
         self.blocks.push((address, Vec::new()));
     }
 
-    pub fn u16(&mut self, told: Told<'_>, value: u16) {
-        self.put(RegisterKind::U16, told, &[value]);
+    pub fn u16(&mut self, label: Label<'_>, value: u16) {
+        self.put(RegisterKind::U16, label, &[value]);
     }
 
-    pub fn u32(&mut self, told: Told<'_>, value: u32) {
-        self.put(RegisterKind::U32, told, &words(value));
+    pub fn u32(&mut self, label: Label<'_>, value: u32) {
+        self.put(RegisterKind::U32, label, &words(value));
     }
 
-    pub fn f32(&mut self, told: Told<'_>, value: Option<f64>) {
+    pub fn f32(&mut self, label: Label<'_>, value: Option<f64>) {
         let value = value.map_or(f32::NAN, |value| value as f32);
-        self.put(RegisterKind::F32, told, &words(value.to_bits()));
+        self.put(RegisterKind::F32, label, &words(value.to_bits()));
     }
 
-    fn put(&mut self, kind: RegisterKind, (name, unit, meaning): Told<'_>, words: &[u16]) {
+    fn put(&mut self, kind: RegisterKind, (name, unit, meaning): Label<'_>, words: &[u16]) {
         let Some((first, block)) = self.blocks.last_mut() else { return };
         if let Some(entries) = &mut self.entries {
             let address = *first + block.len() as u16;

@@ -112,9 +112,9 @@ impl Show {
             let patience = if left.is_zero() { PERIOD } else { left };
             if event::poll(patience).map_err(|error| failed(&error))? {
                 match self.key(&event::read().map_err(|error| failed(&error))?) {
-                    Told::Quit => return Ok(()),
-                    Told::Changed => drawn = None,
-                    Told::Nothing => {}
+                    Consequence::Quit => return Ok(()),
+                    Consequence::Changed => drawn = None,
+                    Consequence::Nothing => {}
                 }
             }
         }
@@ -140,19 +140,19 @@ impl Show {
         }
     }
 
-    fn key(&mut self, event: &Event) -> Told {
+    fn key(&mut self, event: &Event) -> Consequence {
         let key = match event {
             Event::Key(key) if key.kind != KeyEventKind::Release => key,
-            Event::Resize(..) => return Told::Changed,
-            _ => return Told::Nothing,
+            Event::Resize(..) => return Consequence::Changed,
+            _ => return Consequence::Nothing,
         };
         match wish(key) {
-            Some(Asked::Quit) => Told::Quit,
+            Some(Asked::Quit) => Consequence::Quit,
             Some(Asked::For(wish)) => {
                 self.viewer.wish(wish, self.start.elapsed());
-                Told::Changed
+                Consequence::Changed
             }
-            None => Told::Nothing,
+            None => Consequence::Nothing,
         }
     }
 }
@@ -168,7 +168,7 @@ fn has_hung_up() -> bool {
 }
 
 /// What an event has led to.
-enum Told {
+enum Consequence {
     Quit,
     Changed,
     Nothing,

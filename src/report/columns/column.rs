@@ -35,7 +35,7 @@ pub struct TableColumn<R> {
 
 /// A column for the documentation: its table, its name, its unit and its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ColumnTold {
+pub struct ColumnDescription {
     pub table: &'static str,
     pub name: &'static str,
     pub unit: &'static str,
@@ -63,8 +63,8 @@ pub fn meaning_key(column: &str) -> String {
 }
 
 /// The columns of `R` for the documentation.
-pub fn told<R: TableRow>() -> impl Iterator<Item = ColumnTold> {
-    R::COLUMNS.iter().map(|column| ColumnTold {
+pub fn told<R: TableRow>() -> impl Iterator<Item = ColumnDescription> {
+    R::COLUMNS.iter().map(|column| ColumnDescription {
         table: R::TABLE,
         name: column.name,
         unit: column.unit,

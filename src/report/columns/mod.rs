@@ -10,7 +10,7 @@ mod minutes;
 mod notices;
 mod summary;
 
-pub use column::{ColumnTold, TableRow, encode, meaning_key, unit_key};
+pub use column::{ColumnDescription, TableRow, encode, meaning_key, unit_key};
 pub use cylinders::{CylinderRow, StopTrendRow};
 pub use events::{DwellRow, IncidentRow, WarningRow};
 pub use minutes::{MinuteRow, Minutes};
@@ -25,7 +25,7 @@ use jiff::tz::TimeZone;
 const UNNAMED: &str = "__HIVE_DEFAULT_PARTITION__";
 
 /// All columns of all tables.
-pub fn columns_told() -> Vec<ColumnTold> {
+pub fn column_descriptions() -> Vec<ColumnDescription> {
     let events = column::told::<WarningRow>().chain(column::told::<IncidentRow>());
     let events = events.chain(column::told::<NoticeRow>()).chain(column::told::<DwellRow>());
     let events = events.chain(column::told::<MinuteRow>());
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn no_column_is_there_twice_and_each_is_told() {
-        let mut all = columns_told();
+        let mut all = column_descriptions();
         assert!(all.iter().all(|column| !column.meaning.is_empty()));
         assert!(TABLES.iter().all(|table| all.iter().any(|column| column.table == *table)));
         let many = all.len();

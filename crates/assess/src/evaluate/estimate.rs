@@ -129,7 +129,7 @@ impl Stand<'_> {
             ..Options::default()
         };
         let mut simulator = self.simulator(cell, &options)?;
-        let design = MonitorDesign { estimates: Estimates::Told, ..self.design.clone() };
+        let design = MonitorDesign { estimates: Estimates::Computed, ..self.design.clone() };
         let mut monitor = Monitor::new(design);
         let begun = simulator.opening();
         let windows = times.map(|at| [at, at + case.lasting].map(Span::from_seconds));

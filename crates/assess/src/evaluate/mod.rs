@@ -57,7 +57,7 @@ pub use grade::Grade;
 pub use healthy::Healthy;
 pub use interval::{CONFIDENCE, clopper_pearson, poisson_upper};
 pub use learning::{Learnt, Lessons};
-pub use outcome::{Blame, DETECTORS, First, Outcome, Told};
+pub use outcome::{Blame, DETECTORS, First, IncidentOutcome, Outcome};
 pub use plan::{Cell, Extent, Job, Plan, PlanError, Product};
 pub use proportion::Proportion;
 pub use rate::Rate;

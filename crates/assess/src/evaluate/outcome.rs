@@ -45,7 +45,7 @@ impl Blame {
 
 /// What the incidents of the faulty cylinder say: one fault is one incident.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Told {
+pub struct IncidentOutcome {
     /// Number of incidents that began while the fault was watched.
     pub count: u32,
     /// Whom the first of them blames in the end.
@@ -54,7 +54,7 @@ pub struct Told {
     pub kind: Option<Fault>,
 }
 
-impl Told {
+impl IncidentOutcome {
     /// What `incidents`, in the order of their reports, say until `end` of a fault of `transducer` of
     /// `cylinder` (from 1) that began at `onset`.
     pub fn read(
@@ -99,7 +99,7 @@ pub struct Outcome {
     /// that over nobody.
     pub blame: Option<Blame>,
     /// The incidents that were told of the fault.
-    pub incidents: Told,
+    pub incidents: IncidentOutcome,
     /// Warnings of cylinders without a fault, after the onset.
     pub beside: u32,
     /// Largest |R1|, |R2|, |R3| while it was watched, m.
@@ -181,7 +181,7 @@ impl Outcome {
             first: None,
             kind: None,
             blame: None,
-            incidents: Told { count: 0, blame: None, kind: None },
+            incidents: IncidentOutcome { count: 0, blame: None, kind: None },
             beside: 0,
             worst: [0.0; 3],
             rod: None,

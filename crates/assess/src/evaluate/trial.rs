@@ -1,6 +1,6 @@
 //! One simulated machine with its faults.
 
-use super::outcome::{Outcome, Told};
+use super::outcome::{IncidentOutcome, Outcome};
 use super::row::Row;
 use super::stand::{Stand, StandError};
 use rand::RngExt;
@@ -177,8 +177,13 @@ impl Stand<'_> {
                 let (cylinder, end) = (fault.cylinder, onset.after(watch));
                 let said =
                     Outcome::read(&listener.warnings, cylinder, fault.transducer, onset, end);
-                let incidents =
-                    Told::read(&listener.incidents, cylinder, fault.transducer, onset, end);
+                let incidents = IncidentOutcome::read(
+                    &listener.incidents,
+                    cylinder,
+                    fault.transducer,
+                    onset,
+                    end,
+                );
                 Outcome {
                     incidents,
                     worst: followed.worst,

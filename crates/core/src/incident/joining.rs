@@ -5,8 +5,8 @@
 //! one transducer reaches the other observer through the machine's controller. A fault of the
 //! hydraulics, a command that does not come and readings that have parted are never one incident.
 
+use super::news::Reported;
 use super::shared::Cause;
-use super::telling::Told;
 use super::{Ending, EventTiming, Incident, IncidentParameters, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Warning};
@@ -35,11 +35,11 @@ pub(super) struct Open {
     pub difference: Option<f64>,
     /// Whether the fault was seen to go.
     pub has_returned: bool,
-    /// What was told of it.
-    pub told: Option<Told>,
+    /// What was reported of it.
+    pub reported: Option<Reported>,
 }
 
-whole! { Open { incident, order, shared, newest, grew, difference, has_returned, told } }
+whole! { Open { incident, order, shared, newest, grew, difference, has_returned, reported } }
 
 impl Open {
     pub fn new(order: u32, incident: Incident) -> Self {
@@ -51,7 +51,7 @@ impl Open {
             grew: None,
             difference: None,
             has_returned: false,
-            told: None,
+            reported: None,
         }
     }
 
@@ -145,9 +145,9 @@ impl Open {
         })
     }
 
-    /// Whether it was told.
-    pub const fn is_told(&self) -> bool {
-        self.told.is_some()
+    /// Whether it was reported.
+    pub const fn is_reported(&self) -> bool {
+        self.reported.is_some()
     }
 
     /// How it ended, if no warning stands any more.

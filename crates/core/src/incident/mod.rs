@@ -11,10 +11,10 @@ mod adding;
 mod drifting;
 mod fusing;
 mod joining;
+mod news;
 mod parameters;
 mod scope;
 mod shared;
-mod telling;
 #[cfg(test)]
 mod tests;
 mod tracker;
@@ -33,7 +33,7 @@ pub use tracker::{Incidents, MOST_AT_ONCE};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     Opened,
-    /// Its suspect, its kind or its level is another one now, a further detector was raised, or it has grown (`telling`).
+    /// Its suspect, its kind or its level is another one now, a further detector was raised, or it has grown (`news`).
     Revised,
     /// It stands at the end of the data.
     Standing,
@@ -167,7 +167,7 @@ whole! { Part { raised, raises, stands, finding, has_cleared } }
 /// What the warnings of a cylinder that have one cause say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
-    /// Number, from 1 in the order in which they are told, over all cylinders.
+    /// Number, from 1 in the order in which they are reported, over all cylinders.
     pub number: u32,
     pub scope: Scope,
     pub progress: Progress,

@@ -1,7 +1,7 @@
 //! Incidents of the machine: what most cylinders show in one moment, their slow drifts at the same time, and the supply, which
 //! all of them have in common.
 //!
-//! The incidents of the cylinders go on, each by its own warnings, but are not told: they are the members of one incident
+//! The incidents of the cylinders go on, each by its own warnings, but are not reported: they are the members of one incident
 //! of the machine, which sums them up and suspects no transducer. A member with which one cylinder is left, when the others
 //! have recovered, is that cylinder's own again.
 
@@ -53,10 +53,10 @@ pub(super) struct Shared {
     pub newest: Timestamp,
     /// The least certain ending of the members that are over.
     ending: Option<Ending>,
-    told: Option<Said>,
+    reported: Option<Said>,
 }
 
-whole! { Shared { incident, newest, ending, told } }
+whole! { Shared { incident, newest, ending, reported } }
 
 impl Shared {
     /// The incident that begins with `open`, which it does not yet include.
@@ -77,7 +77,7 @@ impl Shared {
             outset: Outset::default(),
             ..open.incident
         };
-        Self { incident, newest: open.newest, ending: None, told: None }
+        Self { incident, newest: open.newest, ending: None, reported: None }
     }
 
     /// Begins to sum up the members anew; what is over stays.
@@ -121,13 +121,13 @@ impl Shared {
         };
     }
 
-    /// The incident as it is told at `at`, if it says something new.
+    /// The incident as it is reported at `at`, if it says something new.
     pub fn news(&mut self, cause: Cause, at: Timestamp) -> Option<&Incident> {
         let own = &mut self.incident;
         own.fault = if cause == Cause::Supply { Fault::Supply } else { fault(own) };
         let has_size = own.parts.iter().flatten().any(|part| part.finding.size().is_some());
         let said = (own.scope.cylinders(), own.fault, has_size, own.level);
-        let before = self.told.replace(said);
+        let before = self.reported.replace(said);
         if before == Some(said) {
             return None;
         }

@@ -33,7 +33,7 @@ pub struct Incidents {
     shares: bool,
     /// When most cylinders were last found to show something in one moment.
     gathered: Option<Timestamp>,
-    /// Number of incidents that were told so far.
+    /// Number of incidents that were reported so far.
     count: u32,
     /// Number of those that began.
     begun: u32,
@@ -150,8 +150,9 @@ impl Incidents {
     fn gather(&mut self, warning: &Warning) {
         let (at, moment) = (warning.timestamp, self.moment);
         let is_near = |begin: Timestamp| at.since(begin) <= moment;
-        let is_fresh =
-            |open: &Open| !open.is_told() && open.shared.is_none() && is_near(open.incident.begin);
+        let is_fresh = |open: &Open| {
+            !open.is_reported() && open.shared.is_none() && is_near(open.incident.begin)
+        };
         let has_fresh = |it: &&OfCylinder| it.open.iter().flatten().any(is_fresh);
         let count = self.cylinders.iter().filter(has_fresh).count();
         let is_many = self.are_most(count);
@@ -167,7 +168,7 @@ impl Incidents {
 
     /// Takes the cycle of the cylinder of `index` (from 0) that opened at `opened` and was evaluated at `at`,
     /// after its warnings. Passes to `say` each incident that was opened, revised or closed, and returns whether
-    /// one is left that is not closed. One that began just now is told when it is known whether other cylinders have it, too.
+    /// one is left that is not closed. One that began just now is reported when it is known whether other cylinders have it, too.
     #[cold]
     pub fn follow(
         &mut self,
@@ -190,7 +191,7 @@ impl Incidents {
             if open.newest == at {
                 open.incident.part_by(open.difference, at);
             }
-            if open.told.is_none() {
+            if open.reported.is_none() {
                 open.incident.outset.judged = core::array::from_fn(|i| quantities[i].is_some());
             }
             let is_over = !stands && at >= open.due(timing);
@@ -203,7 +204,7 @@ impl Incidents {
             }
             // A clock that was set back does not keep it waiting.
             let begin = open.incident.begin;
-            let waits = !open.is_told() && (begin..begin.after(*moment)).contains(&at);
+            let waits = !open.is_reported() && (begin..begin.after(*moment)).contains(&at);
             if is_over || !waits {
                 open.tell(at, count, &mut say);
             }
@@ -251,7 +252,7 @@ impl Incidents {
             }
             for open in self.all_open().filter(|it| it.shared == Some(cause)) {
                 // It was a cylinder's own until others showed it, too.
-                if open.told.take().is_some() {
+                if open.reported.take().is_some() {
                     say(&open.closed(at, Ending::Joined));
                 }
             }
@@ -282,10 +283,10 @@ impl Incidents {
         self.standing(at).for_each(|incident| say(&incident));
     }
 
-    /// The incidents of which a warning stands, as told at `at`.
+    /// The incidents of which a warning stands, as reported at `at`.
     pub fn standing(&self, at: Timestamp) -> impl Iterator<Item = Incident> {
         let open = self.cylinders.iter().flat_map(|cylinder| cylinder.open.iter().flatten());
-        let own = open.filter(|open| open.is_told() && open.shared.is_none());
+        let own = open.filter(|open| open.is_reported() && open.shared.is_none());
         let all =
             own.map(|it| it.incident).chain(self.shared.iter().flatten().map(|it| it.incident));
         all.filter(Incident::stands).map(move |incident| Incident {
@@ -295,7 +296,7 @@ impl Incidents {
         })
     }
 
-    /// Closes at `at` the incidents of which no warning stands, since what follows cannot be told to
+    /// Closes at `at` the incidents of which no warning stands, since what follows cannot be reported to
     /// belong to them.
     pub fn cut(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
         let Self { cylinders, shared, count, .. } = self;
@@ -316,9 +317,9 @@ impl Incidents {
 }
 
 impl Open {
-    /// Tells it at `at`, if it says something new, with the next number if it is told for the first time.
+    /// Reports it at `at`, if it says something new, with the next number if it is reported for the first time.
     fn tell(&mut self, at: Timestamp, count: &mut u32, say: &mut impl FnMut(&Incident)) {
-        if !self.is_told() {
+        if !self.is_reported() {
             *count = count.saturating_add(1);
             self.incident.number = *count;
         }

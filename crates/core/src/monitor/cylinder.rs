@@ -12,10 +12,10 @@ mod findings;
 mod judging;
 mod last;
 mod losing;
+mod recording;
 mod saved;
 mod stopped;
 mod tally;
-mod telling;
 mod tilted;
 mod wild;
 
@@ -44,9 +44,9 @@ pub use dead_reckoning::WaySource;
 pub use design::CylinderDesign;
 use devices::Watches;
 use last::LastOne;
+pub use recording::Evaluated;
 use stopped::{OnStop, StopDrift};
 pub use tally::Tally;
-pub use telling::Evaluated;
 use tilted::Tilted;
 
 /// The cycle in which a cylinder is evaluated.

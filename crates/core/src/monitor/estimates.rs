@@ -6,7 +6,7 @@ pub enum Estimates {
     /// No estimates are made.
     None,
     /// Estimates go to the sink.
-    Told,
+    Computed,
     /// Estimates go to the sink and are sent as Fd_Estimate.
     Sent,
 }

@@ -19,13 +19,13 @@ mod intake;
 mod memory;
 mod page;
 mod passage;
+mod reporting;
 mod sampling;
 mod saved;
 mod silence;
 pub mod sink;
 pub mod subscriptions;
 mod supply;
-mod telling;
 mod tilt;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
@@ -133,7 +133,7 @@ impl Monitor {
         let cylinders = design.cylinders.into_iter().map(Cylinder::new);
         let cylinders: Vec<Cylinder> = match design.estimates {
             Estimates::None => cylinders.collect(),
-            Estimates::Told | Estimates::Sent => cylinders.map(Cylinder::estimating).collect(),
+            Estimates::Computed | Estimates::Sent => cylinders.map(Cylinder::estimating).collect(),
         };
         Self {
             stations: design.subscriptions.all().iter().map(Station::new).collect(),

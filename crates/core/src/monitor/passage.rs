@@ -1,9 +1,9 @@
 //! Passage of time for a monitor: with the frames, in order, unless the clock behind them was set.
 
 use super::Monitor;
+use super::reporting::STATUS_PERIOD;
 use super::sink::{Notice, Sink};
 use super::subscriptions::{SubscribedSignal, Target};
-use super::telling::STATUS_PERIOD;
 use crate::frame::BusNumber;
 use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;

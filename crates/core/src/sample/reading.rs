@@ -89,6 +89,9 @@ const PLACES: usize = 16;
 /// Beside the bits of the fields: the position of C1 or C2 came with a code.
 const CODED: [u16; 2] = [1 << 14, 1 << 15];
 
+// Their bits are all taken: another field takes a wider `got`.
+const _: () = assert!(Field::Spool.bit() < CODED[0]);
+
 /// Inputs that have arrived so far in the open cycle: by [`Field::place`], a count and a number.
 /// Neither is valid without its bit in `got`.
 #[derive(Clone, Copy, Debug, Default)]

@@ -10,7 +10,7 @@ use tertius_core::process::friction::{
 use tertius_core::process::{ForceSample, Forces, FrictionDesign, ProcessParameters, flow};
 
 /// A block of the recording.
-struct Told<T> {
+struct TimedBlock<T> {
     /// Seconds since the recording's first frame.
     t: f64,
     /// How many blocks before it are joined to it.
@@ -30,16 +30,19 @@ pub(super) fn learn(
     let blocks = blocks(rows, gain, sample_time);
     let coefficients = fit(&blocks).ok_or(ProcessRefusal::Undetermined)?;
     let mut design = FrictionDesign { coefficients, scatter: [0.0; SCATTERS], area_ratio };
-    let left =
-        |it: &Told<ForceBlock>| Told { t: it.t, joined: it.joined, block: design.block(&it.block) };
-    let left: Vec<Told<FrictionBlock>> = blocks.iter().map(left).collect();
+    let left = |it: &TimedBlock<ForceBlock>| TimedBlock {
+        t: it.t,
+        joined: it.joined,
+        block: design.block(&it.block),
+    };
+    let left: Vec<TimedBlock<FrictionBlock>> = blocks.iter().map(left).collect();
     design.scatter = scatter(&left);
     verify(&left, &design, flow::level(level, sample_time))?;
     Ok(FrictionTable { coefficients, scatter: design.scatter })
 }
 
 /// What the detector makes of the rows.
-fn blocks(rows: &[ProcessRow], gain: f64, sample_time: f64) -> Vec<Told<ForceBlock>> {
+fn blocks(rows: &[ProcessRow], gain: f64, sample_time: f64) -> Vec<TimedBlock<ForceBlock>> {
     let mut forces = Forces::new(sample_time);
     let (mut blocks, mut joined) = (Vec::new(), 0);
     for row in rows {
@@ -55,7 +58,7 @@ fn blocks(rows: &[ProcessRow], gain: f64, sample_time: f64) -> Vec<Told<ForceBlo
             joined = 0;
         }
         if let Some(block) = block {
-            blocks.push(Told { t: row.t, joined, block });
+            blocks.push(TimedBlock { t: row.t, joined, block });
             joined += 1;
         }
     }
@@ -63,10 +66,10 @@ fn blocks(rows: &[ProcessRow], gain: f64, sample_time: f64) -> Vec<Told<ForceBlo
 }
 
 /// Least squares of P_L; `None` where nothing moves.
-fn fit(blocks: &[Told<ForceBlock>]) -> Option<[f64; FORCE_TERMS]> {
+fn fit(blocks: &[TimedBlock<ForceBlock>]) -> Option<[f64; FORCE_TERMS]> {
     let mut normal = SMatrix::<f64, FORCE_TERMS, FORCE_TERMS>::zeros();
     let mut right = SVector::<f64, FORCE_TERMS>::zeros();
-    for Told { block, .. } in blocks {
+    for TimedBlock { block, .. } in blocks {
         let terms = SVector::from(block.terms);
         normal += terms * terms.transpose();
         right += terms * block.load;
@@ -76,8 +79,9 @@ fn fit(blocks: &[Told<ForceBlock>]) -> Option<[f64; FORCE_TERMS]> {
 }
 
 /// Ω: the long-run covariance of what is left times the directions, by Bartlett's weights.
-fn scatter(blocks: &[Told<FrictionBlock>]) -> [f64; SCATTERS] {
-    let product = |it: &Told<FrictionBlock>| it.block.directions.map(|along| along * it.block.left);
+fn scatter(blocks: &[TimedBlock<FrictionBlock>]) -> [f64; SCATTERS] {
+    let product =
+        |it: &TimedBlock<FrictionBlock>| it.block.directions.map(|along| along * it.block.left);
     let products: Vec<[f64; 2]> = blocks.iter().map(product).collect();
     let joined: Vec<usize> = blocks.iter().map(|it| it.joined).collect();
     let [[coulomb, mixed], [_, viscous]] = long_run::covariance(&products, &joined);
@@ -86,14 +90,14 @@ fn scatter(blocks: &[Told<FrictionBlock>]) -> [f64; SCATTERS] {
 
 /// Tries the detector on its own lesson, at the detector's `level`, nats.
 fn verify(
-    blocks: &[Told<FrictionBlock>],
+    blocks: &[TimedBlock<FrictionBlock>],
     design: &FrictionDesign,
     level: f64,
 ) -> Result<(), ProcessRefusal> {
     let weighing = FrictionWeighing::new(design).ok_or(ProcessRefusal::Undetermined)?;
     let mut windows = FrictionWindows::default();
     let (mut worst, mut at) = (0.0, 0.0);
-    for Told { t, block, .. } in blocks {
+    for TimedBlock { t, block, .. } in blocks {
         windows.push(block, &weighing);
         let nats = windows.peak(&weighing).nats;
         if nats > worst {

@@ -25,13 +25,13 @@ const PIECE: usize = 300;
 
 /// A block of the recording.
 #[derive(Clone, Copy, Debug)]
-struct Told {
+struct SupplyBlock {
     /// Seconds since the recording's first frame.
     t: f64,
     block: OilBlock,
 }
 
-impl Consecutive for Told {
+impl Consecutive for SupplyBlock {
     fn part(&mut self) {
         self.block.follows = false;
     }
@@ -51,7 +51,7 @@ pub struct SupplyRows {
     /// Cycles of the present stay in a monitored state.
     open: u32,
     lull: Lull,
-    blocks: Pieces<Told>,
+    blocks: Pieces<SupplyBlock>,
 }
 
 impl SupplyRows {
@@ -141,7 +141,7 @@ impl Surveyor for SupplyRows {
             return;
         }
         if let Some(block) = self.oil.step(Some(&self.sample)) {
-            self.blocks.push(Told { t: row.t, block });
+            self.blocks.push(SupplyBlock { t: row.t, block });
         }
     }
 
@@ -152,7 +152,7 @@ impl Surveyor for SupplyRows {
 
 /// Least squares of the pressure's rise; `None` where the recording does not determine it, or has no pump that gives more
 /// to a lower pressure.
-fn fit(blocks: &[Told], seconds: f64) -> Option<SupplyRelation> {
+fn fit(blocks: &[SupplyBlock], seconds: f64) -> Option<SupplyRelation> {
     const TERMS: usize = PIECES + 3;
     let [lowest, highest] = ends(blocks.iter().map(|told| told.block.pressure()).collect())?;
     let taught = [lowest, highest];
@@ -162,7 +162,7 @@ fn fit(blocks: &[Told], seconds: f64) -> Option<SupplyRelation> {
     let sum: f64 = blocks.iter().map(|told| told.block.pressure()).sum();
     let reference = sum / blocks.len() as f64;
     let (mut normal, mut right) = (DMatrix::zeros(TERMS, TERMS), DVector::zeros(TERMS));
-    for Told { block, .. } in blocks {
+    for SupplyBlock { block, .. } in blocks {
         let (piece, part) = place(taught, PIECES, block.pressure());
         let [out, back] = block.ways;
         let terms = [

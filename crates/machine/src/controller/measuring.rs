@@ -11,7 +11,7 @@ pub enum Measurement {
     /// C2 as it reads, millimetres beside C1: no frame tells how the two differ where both are sound.
     C2,
     /// The length that another node tells; C2 in cycles for which it tells none.
-    Told,
+    Estimated,
 }
 
 /// What the controller has heard of the cylinders.
@@ -32,7 +32,7 @@ impl Heard {
             let which = usize::from(*measurement != Measurement::C1);
             let (length, speed) = (self.lengths[leg][which], self.speeds[leg][which]);
             // What is told has come a cycle too late, in which the rod went on.
-            let told = self.told[leg].filter(|_| *measurement == Measurement::Told);
+            let told = self.told[leg].filter(|_| *measurement == Measurement::Estimated);
             readings.lengths[leg] = told.map_or(length, |told| told + speed * sample_time);
             readings.speeds[leg] = speed;
         }
@@ -52,7 +52,11 @@ mod tests {
         };
         heard.told[3] = None;
         let mut chosen = [Measurement::C1; LEGS];
-        chosen[1..4].copy_from_slice(&[Measurement::C2, Measurement::Told, Measurement::Told]);
+        chosen[1..4].copy_from_slice(&[
+            Measurement::C2,
+            Measurement::Estimated,
+            Measurement::Estimated,
+        ]);
         let mut readings = Readings::default();
         heard.measure(&chosen, 0.02, &mut readings);
         assert_eq!(readings.lengths, [0.1, 0.104, 0.088, 0.104, 0.1, 0.1], "C2 where none is told");

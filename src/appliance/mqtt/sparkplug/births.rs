@@ -14,13 +14,13 @@ pub(super) struct Message {
 }
 
 /// What was told last of all values.
-pub(super) struct Told {
+pub(super) struct Published {
     points: Points,
     /// When the numbers were told.
     numbers: Instant,
 }
 
-impl Told {
+impl Published {
     /// The births of the node and of its devices, one for each cylinder, at `at`, ms since 1970.
     pub fn birth(points: Points, at: u64) -> (Self, Vec<Message>) {
         let message = |(device, own): (Option<String>, &Vec<Point>)| {

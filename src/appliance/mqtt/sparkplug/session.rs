@@ -1,7 +1,7 @@
 //! One connection to the broker as an edge node of Sparkplug B: births, what changes, and the news of the store.
 
 use super::EdgeNode;
-use super::births::{Message, Told};
+use super::births::{Message, Published};
 use super::payload::{Metric, MetricValue, Payload};
 use crate::appliance::mqtt::link::{Link, within};
 use crate::appliance::mqtt::pulse::Pulse;
@@ -45,7 +45,7 @@ pub(in crate::appliance::mqtt) struct SparkplugSession {
     connection: u64,
     /// Number of the next message, 0 to 255.
     seq: u8,
-    told: Option<Told>,
+    told: Option<Published>,
     /// Store and number of the newest news that are sent, but of which the broker has not said that it goes on.
     news: Option<(String, i64)>,
     /// When the last birth was.
@@ -190,7 +190,7 @@ impl SparkplugSession {
         let (points, at) = self.now();
         (self.seq, self.born) = (0, Instant::now());
         self.ignored = self.desk.ignored.load(Ordering::Relaxed);
-        let (told, mut messages) = Told::birth(points, at);
+        let (told, mut messages) = Published::birth(points, at);
         if let Some(first) = messages.first_mut() {
             first.metrics.extend([
                 Metric::whole(CONNECTION, at, self.connection),

@@ -12,10 +12,10 @@ const MOST_INFLATED: usize = 16 << 20;
 /// Most bytes that may stand behind the compressed data of a container: they fill it up to a multiple of four.
 const FILL: usize = 3;
 
-const DAMAGED: Reason = Reason::Told(
+const DAMAGED: Reason = Reason::Text(
     "the data of a container by zlib are damaged: they do not inflate to what their checksum says; its frames are left out",
 );
-const TOO_LONG: Reason = Reason::Told(
+const TOO_LONG: Reason = Reason::Text(
     "a container inflates to more than 16 MiB, expected 128 KiB or so; its frames are left out",
 );
 

@@ -29,7 +29,7 @@ impl Flaw {
     }
 
     pub const fn told(at: u64, told: &'static str) -> Self {
-        Self::of(at, Reason::Told(told))
+        Self::of(at, Reason::Text(told))
     }
 
     pub const fn of(at: u64, reason: Reason) -> Self {

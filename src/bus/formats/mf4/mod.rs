@@ -104,7 +104,7 @@ impl Mf4 {
         if matches!(self.state, State::Bytes) {
             if self.bytes.len() + taken > MOST {
                 (self.state, self.bytes) = (State::Lost, Vec::new());
-                let reason = Reason::Told(
+                let reason = Reason::Text(
                     "the file has more than 1 GiB, and MDF is held in memory as a whole; split it, or let the logger do so",
                 );
                 return Item::Bad { shown: 0, taken, reason };

@@ -131,7 +131,8 @@ impl Stand<'_> {
     fn accommodating(&self) -> [MonitorDesign; 2] {
         let after = self.settings.estimate.accommodate_after.unwrap_or(AFTER);
         [None, Some(design::accommodation(self.settings, after))].map(|accommodation| {
-            let mut design = MonitorDesign { estimates: Estimates::Told, ..self.design.clone() };
+            let mut design =
+                MonitorDesign { estimates: Estimates::Computed, ..self.design.clone() };
             for cylinder in &mut design.cylinders {
                 cylinder.estimate.accommodation = accommodation;
             }

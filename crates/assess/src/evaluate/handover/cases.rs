@@ -42,7 +42,7 @@ impl Policy {
         match self {
             Self::Stay => None,
             Self::Second => Some(Measurement::C2),
-            Self::Estimate => Some(Measurement::Told),
+            Self::Estimate => Some(Measurement::Estimated),
         }
     }
 }

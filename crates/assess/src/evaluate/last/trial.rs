@@ -176,7 +176,7 @@ impl Stand<'_> {
         let options = Options { seed: drawn.seed, sea, in_loop, ..Options::default() };
         let tables = self.tables_of(group.grade);
         let simulator = Simulator::new(tables, settings, self.database, &options)?;
-        let design = MonitorDesign { estimates: Estimates::Told, ..design.clone() };
+        let design = MonitorDesign { estimates: Estimates::Computed, ..design.clone() };
         let listener = Listener {
             warnings: Vec::new(),
             incidents: Vec::new(),

@@ -1,4 +1,4 @@
-//! What the monitor tells: warnings, incidents, the frames about them, and Fd_Status, its report on itself.
+//! What the monitor reports: warnings, incidents, the frames about them, and Fd_Status, its report on itself.
 
 use super::cylinder::{Cylinder, Evaluation};
 use super::gate::Opening;

@@ -1,4 +1,4 @@
-//! When an incident is told again.
+//! When an incident is reported again.
 //!
 //! Whom to suspect, what it is and its level are news at once. That it has grown, or that a further detector agrees, is
 //! news after [`PAUSE`], so that a person sees no size of minutes ago and a log does not fill with a drift.
@@ -11,20 +11,20 @@ use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
-/// An incident has grown when its largest value is so many times that which was told. A drift from a quarter of its
-/// limit to the trip at thirty times the limit is told 22 times.
+/// An incident has grown when its largest value is so many times that which was reported. A drift from a quarter of its
+/// limit to the trip at thirty times the limit is reported 22 times.
 const GROWTH: f64 = 1.25;
 
-/// Part of its limit up to which a size is not worth telling.
+/// Part of its limit up to which a size is not worth a report.
 const SMALL: f64 = 0.25;
 
 /// Shortest time between two reports, if the second one tells of growth or of a further detector only: what a person
 /// can follow.
 const PAUSE: Span = Span::from_nanos(5_000_000_000);
 
-/// What was told of an incident.
+/// What was reported of an incident.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Told {
+pub(super) struct Reported {
     suspect: Suspect,
     fault: Fault,
     has_gain: bool,
@@ -35,9 +35,9 @@ pub(super) struct Told {
     share: f64,
 }
 
-whole! { Told { suspect, fault, has_gain, has_size, level, raised, share } }
+whole! { Reported { suspect, fault, has_gain, has_size, level, raised, share } }
 
-impl Told {
+impl Reported {
     fn of(incident: &Incident) -> Self {
         let Incident { suspect, fault, gain, level, parts, .. } = incident;
         Self {
@@ -63,19 +63,19 @@ impl Told {
 }
 
 impl Open {
-    /// The incident as it is told at `at`, if there is news.
+    /// The incident as it is reported at `at`, if there is news.
     pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
-        let now = Told::of(&self.incident);
+        let now = Reported::of(&self.incident);
         // A clock that was set back does not keep it waiting.
         let is_due = !(Span::ZERO..PAUSE).contains(&at.since(self.incident.timestamp));
-        let progress = match &self.told {
+        let progress = match &self.reported {
             None => Progress::Opened,
             Some(before) if now.differs(before) || is_due && now.is_more(before) => {
                 Progress::Revised
             }
             Some(_) => return None,
         };
-        self.told = Some(now);
+        self.reported = Some(now);
         (self.incident.progress, self.incident.timestamp) = (progress, at);
         Some(&self.incident)
     }
