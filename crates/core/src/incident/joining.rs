@@ -12,7 +12,10 @@ use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Warning};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, LONGEST_WAIT, Suspect};
+
+/// Cycles whose R3 is kept: those in which a residual is beyond its threshold before that is a fault, and the one before.
+const KEPT_DIFFERENCES: usize = LONGEST_WAIT + 1;
 
 const P: &IncidentParameters = &IncidentParameters::DEFAULT;
 
@@ -31,15 +34,15 @@ pub(super) struct Open {
     pub newest: Timestamp,
     /// Whether C1 − C2 grew at its begin, where that is known.
     grew: Option<bool>,
-    /// R3 in the newest cycle, m.
-    pub difference: Option<f64>,
+    /// R3 in the newest cycles, m, the newest first.
+    differences: [Option<f64>; KEPT_DIFFERENCES],
     /// Whether the fault was seen to go.
     pub has_returned: bool,
     /// What was reported of it.
     pub reported: Option<Reported>,
 }
 
-whole! { Open { incident, order, shared, newest, grew, difference, has_returned, reported } }
+whole! { Open { incident, order, shared, newest, grew, differences, has_returned, reported } }
 
 impl Open {
     pub fn new(order: u32, incident: Incident) -> Self {
@@ -49,7 +52,7 @@ impl Open {
             order,
             shared: None,
             grew: None,
-            difference: None,
+            differences: [None; KEPT_DIFFERENCES],
             has_returned: false,
             reported: None,
         }
@@ -128,12 +131,21 @@ impl Open {
         }
     }
 
-    /// Whether what an observer sees takes the difference away that was there in the cycle before; without a
-    /// difference, whether it is against the fault's first direction.
+    /// Takes R3 of a cycle, m.
+    pub fn take_difference(&mut self, difference: Option<f64>) {
+        self.differences.rotate_right(1);
+        self.differences[0] = difference;
+    }
+
+    /// Whether what an observer sees takes the difference away that was there before; without a difference, whether it is
+    /// against the fault's first direction.
     fn sees_it_go(&self, warning: &Warning) -> bool {
         let Some(growth) = growth(warning) else { return false };
-        match self.difference {
-            Some(before) => (before + growth).abs() < P.left * before.abs(),
+        let goes = |before: f64| (before + growth).abs() < P.left * before.abs();
+        match self.differences[0] {
+            // A drift of minutes that went back at once was another incident: when its observer was raised, after the third
+            // sample, the difference had been gone for two cycles.
+            Some(_) => self.differences.into_iter().flatten().any(goes),
             None => self.grew.is_some_and(|grew| grew != (growth > 0.0)),
         }
     }

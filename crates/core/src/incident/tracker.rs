@@ -181,7 +181,8 @@ impl Incidents {
         let OfCylinder { open: places, timing, .. } = &mut cylinders[index];
         for place in places.iter_mut() {
             let Some(open) = place else { continue };
-            open.difference = quantities[Quantity::R3 as usize];
+            let difference = quantities[Quantity::R3 as usize];
+            open.take_difference(difference);
             let stands = open.incident.stands();
             let own = open.own(quantities);
             if stands || open.newest == at {
@@ -189,7 +190,7 @@ impl Incidents {
             }
             open.incident.now = own;
             if open.newest == at {
-                open.incident.part_by(open.difference, at);
+                open.incident.part_by(difference, at);
             }
             if open.reported.is_none() {
                 open.incident.outset.judged = core::array::from_fn(|i| quantities[i].is_some());

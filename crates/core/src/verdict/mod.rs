@@ -15,6 +15,7 @@ pub use bank::{Bank, BankDesign, FDE3, FDES, Raised, Residuals};
 pub use fault::Fault;
 pub use jump::Jump;
 pub use parameters::VerdictParameters;
+pub use persistence::LONGEST_WAIT;
 pub use suspect::{Suspect, Testimony};
 pub use trigger::{Raise, Thresholds, Trigger};
 

@@ -56,6 +56,9 @@ const WILD: usize = 8;
 /// hardly ever.
 const FREQUENT: [f64; 2] = [20.0, 6.0];
 
+/// Most samples that a residual has to stay beyond its threshold to be a fault.
+pub const LONGEST_WAIT: usize = VerdictParameters::DEFAULT.lasting as usize + FREQUENT.len();
+
 /// Follows one residual until it has stayed beyond its threshold for some samples, or was there often.
 #[derive(Clone, Debug)]
 pub struct Persistence {

@@ -105,6 +105,23 @@ fn when_the_suspect_was_named_is_told() {
     assert_eq!(told, [None, Some(Naming { at: at(30.0), by_its_end: false }), None]);
 }
 
+/// An observer is raised by the third sample that is beyond its threshold. The difference is gone by then.
+#[test]
+fn a_drift_that_goes_back_at_once_is_named_by_its_end() {
+    let mut drift = Story::new();
+    drift.raise(10.0, Sequential, Fault::Incipient, Suspect::Undecided, 1.6);
+    drift.cycle(10.0, [0.1, 0.1, 1.6]);
+    drift.cycle(69.98, [0.1, 0.1, 17.8]);
+    drift.cycle(70.0, [-17.8, 0.1, 0.1]);
+    drift.cycle(70.02, [-12.0, 0.1, 0.1]);
+    drift.raise(70.04, Fde1, Fault::Abrupt, Suspect::C1, -17.8);
+    drift.cycle(70.04, [-8.0, 0.1, 0.1]);
+    assert_eq!(drift.numbers(Progress::Opened), [1]);
+    let named = Some(Naming { at: at(70.04), by_its_end: true });
+    assert_eq!((drift.newest().suspect, drift.newest().named), (Suspect::C1, named));
+    assert_eq!(drift.newest().fault, Fault::Incipient);
+}
+
 /// C1 − C2 as measured also has what the readings differ by when nothing is wrong.
 #[test]
 fn a_step_is_as_large_as_what_the_readings_parted_by() {
