@@ -128,7 +128,7 @@ fn everything_known() -> Vec<Known> {
     all
 }
 
-/// What each detector may propose by itself.
+/// The possible proposals of each detector.
 fn proposals(accuser: Accuser) -> Vec<Blamed> {
     let of = |suspect, rule| Blamed::new(suspect, rule);
     match accuser {
@@ -163,7 +163,7 @@ fn cases() -> impl Iterator<Item = (Known, Accuser, Blamed)> {
 
 /// A transducer is named where the detector's own evidence or a fact is against it, and never else.
 #[test]
-fn nobody_is_named_without_evidence() {
+fn no_transducer_is_named_without_evidence() {
     let mut decided = std::collections::BTreeSet::new();
     for (known, accuser, proposal) in cases() {
         let blamed = known.blame(accuser, proposal);
@@ -273,7 +273,10 @@ fn out_before() {
     assert_blamed(&known, Accuser::Fde3, DIFFERENCE, (C2, Rule::OutBefore));
     let named = Blamed::new(C1, Rule::ObserverWithDifference);
     assert_eq!(known.blame(Accuser::Fde3, named), named, "an observer has a side");
-    known.is_latched = [true; 2];
+    // C1 has moved since, as the oil shows.
+    known.by_the_rod = Some(Blamed::new(C1, Rule::FlowOfOil));
+    assert_blamed(&known, Accuser::Fde3, DIFFERENCE, (C1, Rule::FlowOfOil));
+    (known.is_latched, known.by_the_rod) = ([true; 2], None);
     assert_eq!(known.blame(Accuser::Fde3, DIFFERENCE), DIFFERENCE, "both were out");
 }
 
@@ -307,6 +310,8 @@ fn flow_of_oil_and_deck_attitude() {
         let moment = Known { by_the_rod: seen, ..standing([ALONE, SOUND]) };
         assert_blamed(&moment, Accuser::Sequential, Blamed::new(C2, rule), (C2, rule));
         assert_blamed(&moment, Accuser::Fde3, DIFFERENCE, (C2, rule));
+        let of_c1 = Blamed::new(C1, Rule::OneObserver);
+        assert_eq!(moment.blame(Accuser::Fde1, of_c1), of_c1, "an observer has its own side");
         let frozen = Known { by_the_rod: seen, ..standing([FROZEN, SOUND]) };
         assert_blamed(&frozen, Accuser::Fde3, DIFFERENCE, (C1, Rule::StandingReading));
     }
@@ -320,6 +325,11 @@ fn parted_before() {
     assert_blamed(&known, Accuser::Fde2, FDE2_ALONE, (Undecided, Rule::PartedBefore));
     let process = Blamed::new(Process, Rule::BothObservers);
     assert_eq!(known.blame(Accuser::Fde2, process), process);
+    // They agree again, but the controller still answers that difference.
+    let mut known = Known::nothing();
+    let close = PairState { apart: Some(1e-4), ..parted };
+    known.memory.agreement.judge([true; 2], [false; 2], [Some(1.7e-3), Some(1.6e-3)], close);
+    assert_blamed(&known, Accuser::Fde2, FDE2_ALONE, (Undecided, Rule::PartedBefore));
 }
 
 #[test]
