@@ -9,7 +9,7 @@ use crate::bus::LogWriter;
 use crate::config::{MachineNames, Settings};
 use crate::estimate::Estimate;
 use crate::incident::Incident;
-use crate::monitor::{Explanation, Notice, Record, Sink};
+use crate::monitor::{Explained, Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::PageRecorder;
 use crate::report::stamps::Wraps;
@@ -46,8 +46,8 @@ pub struct Output {
     pub recorder: Option<PageRecorder>,
     /// The tables as Parquet files, if they are requested.
     pub columns: Option<ColumnFolder>,
-    /// The time whose findings are to be explained, if any.
-    pub explained: Option<Explained>,
+    /// The time at which the findings are to be explained, if any.
+    pub explaining: Option<Explaining>,
     /// How cylinders and transducers are called.
     names: MachineNames,
     lines: Option<BufWriter<Stdout>>,
@@ -57,13 +57,13 @@ pub struct Output {
     failure: Option<Failure>,
 }
 
-/// A time whose findings are to be explained.
+/// A time at which the findings are to be explained.
 #[derive(Debug)]
-pub struct Explained {
+pub struct Explaining {
     /// Since the first frame.
     pub at: Span,
     /// The findings then; `None` before that time.
-    pub findings: Option<Vec<Explanation>>,
+    pub explained: Option<Explained>,
 }
 
 impl Output {
@@ -98,7 +98,7 @@ impl Output {
             notices: Notices::default(),
             recorder: None,
             columns: None,
-            explained: None,
+            explaining: None,
             names,
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,

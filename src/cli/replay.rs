@@ -8,7 +8,7 @@ use super::columns::ColumnFolder;
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::history::History;
 use super::machine::Machine;
-use super::output::{Explained, Output};
+use super::output::{Explaining, Output};
 use super::overriding::SetOptions;
 use super::recorded::RecordedInputs;
 use super::recordings;
@@ -184,7 +184,7 @@ impl Replay {
             threads,
         )?;
         output.columns = columns;
-        output.explained = self.explain.map(|at| Explained { at, findings: None });
+        output.explaining = self.explain.map(|at| Explaining { at, explained: None });
         output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
@@ -197,8 +197,8 @@ impl Replay {
         if output.failed() {
             return broken_off(output);
         }
-        if let Some(explained) = &output.explained {
-            return explain(explained, &machine, duration);
+        if let Some(explaining) = &output.explaining {
+            return explain(explaining, &machine, duration);
         }
         let statistics = recording.statistics();
         let stamped = Stamped { first: output.first, length: duration };
@@ -391,14 +391,19 @@ struct Replayed<'a> {
 }
 
 /// Writes how the suspects at a time were named.
-fn explain(explained: &Explained, machine: &Machine, duration: Span) -> Result<(), Failure> {
-    let (at, length) = (explained.at.as_seconds(), duration.as_seconds());
-    let Some(findings) = &explained.findings else {
+fn explain(explaining: &Explaining, machine: &Machine, duration: Span) -> Result<(), Failure> {
+    let (at, length) = (explaining.at.as_seconds(), duration.as_seconds());
+    let Some(explained) = &explaining.explained else {
         return Err(Failure::Wrong(format!(
             "--explain {at}: the recording ends {length} s after its first frame; give an earlier time"
         )));
     };
-    let text = explanation::text(findings, &machine.loaded.settings.names(), at);
+    if explained.findings.is_empty() && explained.unjudged.len() == explained.cylinders {
+        return Err(Failure::Failed(format!(
+            "--explain {at}: nothing was judged at that time; `tertius replay` without --explain reports why"
+        )));
+    }
+    let text = explanation::text(explained, &machine.loaded.settings.names(), at);
     let written = std::io::stdout().write_all(text.as_bytes());
     written.map_err(|error| Failure::writing("standard output", &error))
 }

@@ -1,18 +1,23 @@
 //! How suspects were named, as text.
 
-use super::wording::counted;
+use super::wording::{capitalised, counted};
 use crate::config::MachineNames;
-use crate::monitor::{Answer, Explanation};
+use crate::monitor::{Answer, Explained, Explanation};
 use crate::story;
 use std::fmt::Write;
 
-/// The findings at `at` seconds after the first frame, and each rule that was asked whose fault they are.
-pub fn text(explained: &[Explanation], names: &MachineNames, at: f64) -> String {
-    if explained.is_empty() {
-        return format!("At {at} s no detector has found anything.\n");
+/// The findings at `at` seconds after the first frame, with the answer of each rule that was asked for the suspect.
+pub fn text(explained: &Explained, names: &MachineNames, at: f64) -> String {
+    let count = explained.findings.len() as u64;
+    let mut text = match count {
+        0 => format!("At {at} s no detector has found anything.\n"),
+        _ => format!("{} at {at} s\n", counted(count, "finding")),
+    };
+    for number in &explained.unjudged {
+        let cylinder = capitalised(&names.cylinder(*number));
+        _ = writeln!(text, "{cylinder} was not judged completely at that time.");
     }
-    let mut text = format!("{} at {at} s\n", counted(explained.len() as u64, "finding"));
-    for one in explained {
+    for one in &explained.findings {
         let Explanation { cylinder, detector, finding, answers } = one;
         let (residual, threshold) = (finding.residual, finding.threshold);
         let size = residual.map_or(String::new(), |it| format!(", {}", story::millimetres(it)));

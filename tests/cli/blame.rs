@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use tertius::blame::{OVERRULING, Rule};
-use tertius_testing::support::{E_TYPE, recording, replay, tertius, top};
+use tertius_testing::support::{E_TYPE, Scratch, recorded, recording, replay, tertius, top};
 
 const FAULTS: &str = "e-type-faults.log.zst";
 
@@ -59,9 +59,11 @@ fn an_incident_is_named_by_the_rule_of_one_of_its_detectors() {
 }
 
 #[test]
-fn a_time_without_a_finding_or_beyond_the_recording_is_told() {
-    assert_eq!(explained(5.0), "At 5 s no detector has found anything.\n");
+fn a_time_without_a_finding_or_beyond_the_recording_is_reported() {
+    assert_eq!(explained(50.0), "At 50 s no detector has found anything.\n");
     let log = recording(FAULTS);
+    let call = ["replay", &log, "--config", E_TYPE, "--explain", "0.1"];
+    tertius(&call, b"").failed(1, &["nothing was judged at that time"]);
     let call = ["replay", &log, "--config", E_TYPE, "--explain", "1e6"];
     tertius(&call, b"").failed(2, &["the recording ends", "give an earlier time"]);
     let call = ["replay", &log, "--config", E_TYPE, "--explain", "soon"];
@@ -79,4 +81,26 @@ fn the_page_has_every_rule_in_its_order() {
     assert_eq!(told.len(), all.len(), "a rule is told twice");
     let asked: Vec<&str> = OVERRULING.iter().map(|(rule, _)| rule.name()).collect();
     assert_eq!(told[told.len() - asked.len()..], asked);
+}
+
+/// C1 of cylinder 1 leaves its range in the last cycle of a recording.
+#[test]
+fn a_warning_of_the_last_frame_is_explained() {
+    let scratch = Scratch::new();
+    let run = replay(&[&recording(FAULTS)], E_TYPE, &[]).ok();
+    let warnings = run.warnings();
+    let first = warnings.first().expect("it has some")["t"].as_f64().expect("a time");
+    let text = recorded(FAULTS);
+    let begin = text.lines().next().and_then(stamp).expect("a line has a stamp");
+    let until = |line: &&str| stamp(line).is_some_and(|at| at - begin < first + 1e-6);
+    let cut: Vec<&str> = text.lines().take_while(until).collect();
+    let log = scratch.write("cut.log", cut.join("\n"));
+    let call = ["replay", &log, "--config", E_TYPE, "--explain", &first.to_string()];
+    let told = tertius(&call, b"").ok().stdout;
+    assert!(told.contains("suspect "), "{told}");
+}
+
+/// Time stamp of a line of candump, s.
+fn stamp(line: &str) -> Option<f64> {
+    line.strip_prefix('(')?.split_once(')')?.0.parse().ok()
 }

@@ -38,6 +38,12 @@ pub fn feed(
     read_ahead(recording, threads, &mut feeding)?;
     let Feeding { monitor, witness, output, bar, last, failure, .. } = feeding;
     witness.glance(monitor);
+    // A warning may be raised by the last frame, which no other one follows.
+    if let Some(explaining) = &mut output.explaining
+        && last.since(output.first) >= explaining.at
+    {
+        explaining.explained.get_or_insert_with(|| monitor.explain());
+    }
     if let Some(failure) = failure {
         return Err(failure);
     }
@@ -83,7 +89,7 @@ impl FrameTaker for Feeding<'_> {
     }
 
     fn glance(&mut self) {
-        self.attends = self.witness.glance(self.monitor) || self.output.explained.is_some();
+        self.attends = self.witness.glance(self.monitor) || self.output.explaining.is_some();
     }
 
     fn pause(&mut self, progress: Progress) -> ControlFlow<()> {
@@ -109,10 +115,10 @@ impl Feeding<'_> {
             self.begun = true;
         }
         self.witness.take(frame);
-        if let Some(explained) = &mut self.output.explained
-            && frame.timestamp.since(self.output.first) > explained.at
+        if let Some(explaining) = &mut self.output.explaining
+            && frame.timestamp.since(self.output.first) > explaining.at
         {
-            explained.findings = Some(self.monitor.explain());
+            explaining.explained = Some(self.monitor.explain());
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())

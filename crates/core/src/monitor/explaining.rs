@@ -15,6 +15,16 @@ pub struct Answer {
     pub suspect: Option<Suspect>,
 }
 
+/// Everything that was found in the newest cycle of each cylinder.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Explained {
+    /// In the order of the cylinders and detectors.
+    pub findings: Vec<Explanation>,
+    /// Numbers of the cylinders of which a transducer was not judged, counted from 1.
+    pub unjudged: Vec<u8>,
+    pub cylinders: usize,
+}
+
 /// A finding of the newest cycle, and how its suspect was named.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
@@ -27,10 +37,13 @@ pub struct Explanation {
 }
 
 impl Monitor {
-    /// All findings of the newest cycle of each cylinder, in the order of the cylinders and detectors.
-    pub fn explain(&self) -> Vec<Explanation> {
-        let mut all = Vec::new();
+    /// The findings of the newest cycle of each cylinder, with what each rule answered.
+    pub fn explain(&self) -> Explained {
+        let mut all = Explained { cylinders: self.cylinders.len(), ..Explained::default() };
         for (cylinder, number) in self.cylinders.iter().zip(1..) {
+            if !cylinder.judges() {
+                all.unjudged.push(number);
+            }
             let findings = cylinder.findings();
             for place in 0..PLACES {
                 let Some(finding) = findings[place] else { continue };
@@ -40,7 +53,7 @@ impl Monitor {
                     cylinder.blame(accuser, asked);
                 }
                 let detector = DETECTORS[place];
-                all.push(Explanation { cylinder: number, detector, finding, answers });
+                all.findings.push(Explanation { cylinder: number, detector, finding, answers });
             }
         }
         all

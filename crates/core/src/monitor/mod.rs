@@ -43,7 +43,7 @@ use alloc::{boxed::Box, vec::Vec};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation};
 pub use estimates::Estimates;
-pub use explaining::{Answer, Explanation};
+pub use explaining::{Answer, Explained, Explanation};
 use gate::{Gate, Opening};
 use page::Station;
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};

@@ -90,12 +90,14 @@ impl Cylinder {
         }
     }
 
-    /// Whose fault the finding of `accuser` is. `asked` is told what each rule answers, up to the one that decides.
+    /// Names the suspect of the finding of `accuser`, if it has one. Calls `asked` with the answer of each rule, up to the one
+    /// that decides.
     pub fn blame(
         &self,
         accuser: Accuser,
         asked: impl FnMut(Rule, Option<Suspect>),
     ) -> Option<Blamed> {
+        let proposal = self.proposal(accuser)?;
         let alarm = self.sequential.as_deref().and_then(Sequential::alarm);
         let facts = Facts {
             is_last: [0, 1].map(|i| self.last.names(i)),
@@ -106,7 +108,6 @@ impl Cylinder {
             is_process_found: self.process.as_ref().is_some_and(|it| it.alarm().is_some()),
             is_apart: self.bank.verdicts()[2] == Verdict::Faulty || alarm.is_some(),
         };
-        let proposal = self.proposal(accuser)?;
         Some(blame(&Case { accuser, proposal, facts: &facts }, asked))
     }
 
