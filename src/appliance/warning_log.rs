@@ -105,7 +105,7 @@ fn write(warning: &Warning, names: &MachineNames) {
     }
 }
 
-/// What has happened, in a line: `FDE3 raised: cylinder 3, suspect C2 (by frozen-partner)`.
+/// The warning in a line: `FDE3 raised: cylinder 3, suspect C2 (by frozen-partner)`.
 fn said(warning: &Warning) -> String {
     let Warning { detector, state, cylinder, finding, .. } = warning;
     let (detector, state) = (detector.label(), state.name());

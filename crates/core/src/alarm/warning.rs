@@ -32,7 +32,7 @@ impl State {
 pub struct Finding {
     pub fault: Fault,
     pub suspect: Suspect,
-    /// What has named the suspect.
+    /// The rule that named the suspect.
     pub rule: Rule,
     pub level: Level,
     /// Residual, m, signed; `None` where the detector has none (a missing reading).

@@ -1,8 +1,8 @@
-//! Whose fault a finding is: the one place that names a suspect, and the rule that named it.
+//! Names the suspect of each finding, and the rule that named it. No other module does.
 //!
 //! A detector proposes a suspect: FDE1, FDE2 and FDE3 by their pattern (Figure 5-17, [`pattern`]), the sequential detector by
-//! what its samples weigh. What is known beside it may overrule the proposal. [`OVERRULING`] has these rules in the order in
-//! which they are asked; the first that answers decides, and else the proposal stands.
+//! the evidence of its samples. Other facts may overrule the proposal. [`OVERRULING`] lists these rules in the order in which
+//! they are asked: the first that applies decides. If none applies, the proposal stands.
 
 pub mod agreement;
 mod parameters;
@@ -59,7 +59,7 @@ impl Accuser {
     }
 }
 
-/// What is known of a cylinder beside the findings of its detectors.
+/// The facts about a cylinder that may overrule the proposal of a detector.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts<'a> {
     /// Whether the observer of each transducer alone supervises it, and has found it displaced.
@@ -68,7 +68,7 @@ pub struct Facts<'a> {
     pub is_latched: [bool; 2],
     pub departs: [bool; 2],
     pub memory: &'a BlameMemory,
-    /// Whose reading the rod itself contradicts, where the oil or the deck's attitude has shown its way.
+    /// The transducer that the oil or the deck's attitude contradicts: both show how the rod itself has moved.
     pub by_the_rod: Option<Blamed>,
     /// Whether a process detector has found that the cylinder does not do what its command says.
     pub is_process_found: bool,
@@ -87,7 +87,7 @@ pub struct BlameMemory {
 state! { BlameMemory { pattern, agreement, standing } }
 
 impl BlameMemory {
-    /// Where findings within `coincidence` of each other are one event, which is so many cycles of `sample_time` seconds.
+    /// Findings within `coincidence` of each other are one event; `cycles` is the same time in cycles of `sample_time` seconds.
     pub fn new(coincidence: Span, cycles: u32, sample_time: f64) -> Self {
         Self {
             pattern: Pattern::new(coincidence),
@@ -103,7 +103,7 @@ impl BlameMemory {
     }
 }
 
-/// A finding, what its detector proposes, and what is known beside it.
+/// A finding, the proposal of its detector, and the facts that may overrule it.
 #[derive(Clone, Copy, Debug)]
 pub struct Case<'a> {
     pub accuser: Accuser,
@@ -111,10 +111,10 @@ pub struct Case<'a> {
     pub facts: &'a Facts<'a>,
 }
 
-/// Answers whose fault it is, or that it does not apply.
+/// Returns the suspect, or `None` where the rule does not apply.
 type Overruling = fn(&Case<'_>) -> Option<Suspect>;
 
-/// What overrules the proposal of a detector, in the order in which it is asked.
+/// The rules that overrule the proposal of a detector, in the order in which they are asked.
 pub const OVERRULING: [(Rule, Overruling); 12] = [
     (Rule::DeadReckoning, dead_reckoning),
     (Rule::LastTransducer, last_transducer),
@@ -130,7 +130,7 @@ pub const OVERRULING: [(Rule, Overruling); 12] = [
     (Rule::MayBeMotion, may_be_motion),
 ];
 
-/// Whose fault the finding of `case` is. `asked` is told what each rule answers, in their order, up to the one that decides.
+/// Names the suspect of `case`. Calls `asked` with the answer of each rule, in order, up to the one that decides.
 pub fn blame(case: &Case<'_>, mut asked: impl FnMut(Rule, Option<Suspect>)) -> Blamed {
     for (rule, overrules) in OVERRULING {
         let answer = overrules(case);
@@ -159,7 +159,7 @@ const fn other(transducer: Transducer) -> Transducer {
 }
 
 impl Case<'_> {
-    fn proposes_nobody(&self) -> bool {
+    fn is_undecided(&self) -> bool {
         self.proposal.suspect == Suspect::Undecided
     }
 
@@ -168,12 +168,12 @@ impl Case<'_> {
         self.accuser.observed().filter(|own| self.proposal.suspect == suspect_of(*own))
     }
 
-    /// Whom the rod itself contradicts, where the finding may be about that: the difference alone cannot tell whose it is,
-    /// and the samples' own evidence is only heard where nothing has seen the rod.
-    fn seen_of_the_rod(&self, rule: Rule) -> Option<Suspect> {
+    /// The transducer that the oil or the deck contradicts, for the detectors that this concerns. FDE3 asks only where no
+    /// observer has a side, and the sequential detector always.
+    fn contradicted_by_the_rod(&self, rule: Rule) -> Option<Suspect> {
         let asks = match self.accuser {
             Accuser::Fde1 | Accuser::Fde2 => false,
-            Accuser::Fde3 => self.proposes_nobody(),
+            Accuser::Fde3 => self.is_undecided(),
             Accuser::Sequential => true,
         };
         let seen = self.facts.by_the_rod.filter(|seen| asks && seen.rule == rule)?;
@@ -187,8 +187,8 @@ fn dead_reckoning(case: &Case<'_>) -> Option<Suspect> {
     case.facts.departs[own as usize].then_some(suspect_of(own))
 }
 
-/// C1 was lost and C2 stepped by 60 mm: its observer saw it for a second, and nothing was left that could deny or confirm it.
-/// The last transducer is named by its own observer.
+/// C1 was lost and C2 stepped by 60 mm. Its observer was raised for a second, and nothing else could confirm or deny the step,
+/// so that observer alone names its transducer.
 fn last_transducer(case: &Case<'_>) -> Option<Suspect> {
     let own = case.accuser.observed()?;
     case.facts.is_last[own as usize].then_some(suspect_of(own))
@@ -196,7 +196,7 @@ fn last_transducer(case: &Case<'_>) -> Option<Suspect> {
 
 /// C2 was displaced while C1 was lost. When C1 was back the two differed, which alone says nothing of whose it is.
 fn out_before(case: &Case<'_>) -> Option<Suspect> {
-    let is_asked = case.accuser == Accuser::Fde3 && case.proposes_nobody();
+    let is_asked = case.accuser == Accuser::Fde3 && case.is_undecided();
     match case.facts.is_latched {
         _ if !is_asked || case.facts.by_the_rod.is_some() => None,
         [true, false] => Some(Suspect::C1),
@@ -213,8 +213,7 @@ fn standing_reading(case: &Case<'_>) -> Option<Suspect> {
     (!is_partner).then_some(suspect_of(culprit))
 }
 
-/// The observer of the other one says nothing of a reading that stands: it sees the machine that follows that reading, or a
-/// fault of its own.
+/// C1 froze: the observer of C2 is raised because the controller follows C1, or by a fault of C2. It cannot show which.
 fn frozen_partner(case: &Case<'_>) -> Option<Suspect> {
     let culprit = case.facts.memory.standing.known(case.accuser)?;
     let is_partner = case.accuser.observed().is_some_and(|own| own != culprit);
@@ -223,16 +222,16 @@ fn frozen_partner(case: &Case<'_>) -> Option<Suspect> {
 
 /// C2 drifted while the rod turned round, where C1 stood for a moment. The oil that has passed the valve is the rod's own way.
 fn flow_of_oil(case: &Case<'_>) -> Option<Suspect> {
-    case.seen_of_the_rod(Rule::FlowOfOil)
+    case.contradicted_by_the_rod(Rule::FlowOfOil)
 }
 
-/// The same by a sensor on the deck, which six lengths hold.
+/// The same, by the attitude sensor of the deck: six lengths determine the attitude.
 fn deck_attitude(case: &Case<'_>) -> Option<Suspect> {
-    case.seen_of_the_rod(Rule::DeckAttitude)
+    case.contradicted_by_the_rod(Rule::DeckAttitude)
 }
 
-/// C1 drifted off and drove the rod into its stop: R1 and R2 rose alike, and C2 was blamed. What both see of readings that had
-/// parted before is what the controller, or the stop, makes of that.
+/// C1 drifted off, and the controller drove the rod into its stop: R1 and R2 rose alike, and C2 was blamed. Where C1 and C2 had
+/// parted before, an error in both innovations comes from the controller or the stop.
 fn parted_before(case: &Case<'_>) -> Option<Suspect> {
     let own = case.proposed_own()?;
     case.facts.memory.agreement.is_shared(own).then_some(Suspect::Undecided)

@@ -2,8 +2,7 @@
 
 use crate::time;
 
-/// Numbers of the rules of blame. Times are in seconds; what is told from samples takes as many below 50 Hz as at 50 Hz
-/// ([`time::samples`]).
+/// Numbers of the rules of blame. Times are in seconds. Below 50 Hz they are as many samples as at 50 Hz ([`time::samples`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlameParameters {
     /// A reading that has stood for so long when the other one leaves it may be that of a rod at rest, s; 0.04 to 0.2. Three

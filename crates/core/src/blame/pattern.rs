@@ -112,7 +112,7 @@ fn was_alone(own: Raise, other: FdeState, difference: Raise) -> bool {
 }
 
 /// What FDE3's warning `own` proposes: the transducer whose observer, and only whose, exceeded its threshold when FDE3 was
-/// raised, or soon after; otherwise nobody, since C1 − Ĉ2 alone has no side.
+/// raised, or soon after; otherwise undecided, since C1 − Ĉ2 alone has no side.
 fn of_difference(own: Raise, fde1: FdeState, fde2: FdeState, coincidence: Span) -> Blamed {
     let before = |seen: FdeState| {
         seen.raised.is_some_and(|raise| {

@@ -5,7 +5,7 @@ use crate::state::choice;
 /// Declares [`Rule`]: its name in files and logs, and for people what it goes by.
 macro_rules! rules {
     ($($(#[doc = $doc:literal])* $rule:ident = $name:literal, $reason:literal;)*) => {
-        /// What has named the suspect of a finding.
+        /// The rule that named the suspect of a finding.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Rule {
             $($(#[doc = $doc])* $rule,)*
@@ -30,7 +30,7 @@ macro_rules! rules {
 }
 
 rules! {
-    // What a detector proposes by itself.
+    // Proposals of the detectors.
     /// A plausibility check: a fact about one reading, or about the command.
     Plausibility = "plausibility", "the reading itself is not plausible";
     OneObserver = "one-observer", "one observer has risen, and the other one has not";
@@ -49,7 +49,7 @@ rules! {
     BothJump = "both-jump", "C1 and C2 have jumped alike, as no rod does";
     BothDepart = "both-depart", "C1 and C2 depart alike from dead reckoning";
     ProcessDetector = "process-detector", "spool, pressures and rod contradict each other";
-    // What overrules it.
+    // Rules that overrule a proposal.
     DeadReckoning = "dead-reckoning", "it is the only transducer that is left, and departs from dead reckoning";
     LastTransducer = "last-transducer", "it is the only transducer that is left, and its observer has risen";
     OutBefore = "out-before", "it was displaced before the other transducer came back";

@@ -21,7 +21,7 @@ const BEFORE_OBSERVERS: [WarningPlace; 3] =
 
 const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
-const ONSET_S: f64 = IncidentParameters::DEFAULT.onset;
+const P: &IncidentParameters = &IncidentParameters::DEFAULT;
 
 impl Incident {
     /// Sums up the parts after a warning at `at`: suspect, kind, size and onset.
@@ -85,7 +85,7 @@ impl Incident {
             Suspect::Undecided => None,
         };
         let others = [WarningPlace::Fde3, WarningPlace::Sequential].map(|place| self.part(place));
-        let at_onset = |part: &&Part| part.raised.since(self.begin).as_seconds() <= ONSET_S;
+        let at_onset = |part: &&Part| part.raised.since(self.begin).as_seconds() <= P.onset;
         let named = |part: &&Part| part.finding.fault != Fault::Unclassified;
         let observers = self.observers().map(|place| self.part(place));
         let parts = || [own].into_iter().chain(others).chain(observers).flatten();
@@ -107,7 +107,7 @@ impl Incident {
             Suspect::C2 => WarningPlace::Fde2,
             Suspect::Undecided | Suspect::Process => WarningPlace::Fde3,
         };
-        let at_onset = |part: &&Part| part.raised.since(self.begin).as_seconds() <= ONSET_S;
+        let at_onset = |part: &&Part| part.raised.since(self.begin).as_seconds() <= P.onset;
         let residual = self.part(place).filter(at_onset)?.finding.residual;
         self.parted.filter(|_| place == WarningPlace::Fde3).or(residual)
     }
