@@ -263,8 +263,12 @@ fn tilted(part: &Part) -> Observation {
     Observation::new(part.raised, clause)
 }
 
-/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet.
+/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet. It
+/// agrees with the other reading, so an only transducer has none.
 fn testimony(incident: &Incident) -> Option<String> {
+    if incident.is_alone() {
+        return None;
+    }
     let finding = incident.part(WarningPlace::Sequential)?.finding;
     let evidence = finding.evidence.filter(|_| finding.suspect == incident.suspect)?;
     let what = match evidence.by? {

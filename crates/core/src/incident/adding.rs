@@ -59,6 +59,15 @@ impl Incident {
         self.fuse(warning.timestamp);
     }
 
+    /// Takes that the warning at a place is about another fault, as it turned out. What it was raised for before stays.
+    pub(super) fn give_up(&mut self, place: usize) {
+        let Some(part) = &mut self.parts[place] else { return };
+        part.stands = false;
+        if part.raises == 1 {
+            self.parts[place] = None;
+        }
+    }
+
     pub(super) fn reach(&mut self, opened: Timestamp, quantities: &Quantities) {
         for (peak, value) in self.peaks.iter_mut().zip(quantities) {
             let Some(value) = *value else { continue };

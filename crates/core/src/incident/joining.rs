@@ -9,7 +9,8 @@ use super::news::Reported;
 use super::shared::Cause;
 use super::{Ending, EventTiming, Incident, IncidentParameters, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
-use crate::alarm::{Detector, Warning};
+use crate::alarm::{Detector, Finding, Warning};
+use crate::blame::Rule;
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, LONGEST_WAIT, Suspect};
@@ -76,7 +77,7 @@ impl Open {
         if !self.incident.stands() && warning.timestamp >= self.due(timing) {
             return false;
         }
-        if self.is_of_another_kind(warning) {
+        if self.is_of_another_kind(warning) || self.is_left_by(warning) {
             return false;
         }
         let (said, suspect) = (warning.finding.suspect, self.incident.suspect);
@@ -88,6 +89,15 @@ impl Open {
         }
         let at_once = warning.timestamp.since(self.newest) <= timing.coincidence;
         at_once && !(is_fact(warning) && self.has_facts())
+    }
+
+    /// Whether a warning is about the last transducer, and the incident about the other one, which is out. C1 was lost, and C2
+    /// stepped 30 s later: FDE2 was undecided until the step had lasted, and C2's fault stayed a part of C1's incident.
+    pub fn is_left_by(&self, warning: &Warning) -> bool {
+        let Finding { suspect, rule, .. } = warning.finding;
+        let is_of_last = matches!(rule, Rule::LastTransducer | Rule::DeadReckoning);
+        let is_of_other = matches!(self.incident.suspect, Suspect::C1 | Suspect::C2);
+        is_of_last && is_of_other && suspect != self.incident.suspect
     }
 
     /// Whether one of them is of the hydraulics, of a command that does not come or of a reading that has parted, and the

@@ -365,12 +365,17 @@ impl OfCylinder {
         (0..MOST_AT_ONCE).filter(|place| order(place).is_some()).max_by_key(order)
     }
 
-    /// Takes a warning that has changed or cleared into the incident of which it stands; returns whether there is one.
+    /// Takes a warning that has changed or cleared into the incident of which it stands; returns whether there is one that
+    /// keeps it.
     fn revise(&mut self, warning: &Warning) -> bool {
         let mut open = self.open.iter_mut().flatten();
         let stands =
             |open: &&mut Open| open.incident.parts[warning.place].is_some_and(|part| part.stands);
         let Some(open) = open.find(stands) else { return false };
+        if warning.state == State::Changed && open.is_left_by(warning) {
+            open.incident.give_up(warning.place);
+            return false;
+        }
         open.incident.revise(warning);
         if warning.state == State::Cleared {
             open.clear(warning);

@@ -67,3 +67,30 @@ fn a_command_that_does_not_come_is_not_what_is_wrong_with_the_hydraulics() {
         }
     }
 }
+
+/// C1 is lost and C2 steps 30 s later. FDE2 is undecided until the step has lasted, though within one event.
+#[test]
+fn the_fault_of_the_last_transducer_is_an_incident_of_its_own() {
+    for (rule, expected) in [(Rule::LastTransducer, 2), (Rule::OneObserver, 1)] {
+        let mut story = Story::new();
+        story.raise(220.0, PlausibilityOfC1, Fault::Stale, Suspect::C1, 0.0);
+        story.follow(220.0, [None, Some(1e-4), None, None]);
+        story.raise(250.0, Fde2, Fault::Abrupt, Suspect::Undecided, 9.9);
+        story.follow(250.0, [None, Some(9.9e-3), None, None]);
+        assert_eq!(story.numbers(Progress::Opened), [1], "it may be C1's");
+        let latched = Finding { rule, ..finding(Fault::Abrupt, Suspect::C2, 9.9e-3) };
+        story.say(250.05, Fde2, State::Changed, latched);
+        story.follow(250.05, [None, Some(1e-4), None, None]);
+        let opened = story.numbers(Progress::Opened);
+        assert_eq!(opened.len(), expected, "{rule:?}");
+        let suspect =
+            |number: u32| story.told.iter().rfind(|it| it.number == number).map(|it| it.suspect);
+        assert_eq!(suspect(1), Some(Suspect::C1));
+        if expected == 2 {
+            assert_eq!(suspect(2), Some(Suspect::C2));
+            let first = story.incidents.standing(at(251.0)).find(|it| it.number == 1);
+            let first = first.expect("C1 is still out");
+            assert!(first.part(Fde2).is_none() && first.part(PlausibilityOfC1).is_some());
+        }
+    }
+}
