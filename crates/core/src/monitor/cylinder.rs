@@ -1,77 +1,50 @@
 //! The monitor of one cylinder: from the inputs of a cycle to the findings of its detectors.
 
-mod allowing;
+mod account;
 mod blanks;
-mod checking;
+mod command;
+mod cycle;
 mod dead_reckoning;
 mod design;
-mod detectors;
 mod devices;
 mod estimating;
+mod fde;
 mod findings;
 mod judging;
 mod last;
 mod losing;
+mod readings;
 mod recording;
-mod saved;
 mod stopped;
 mod tally;
 mod tilted;
-mod wild;
+mod trip;
 
-use super::gate::Opening;
-use super::implausible::Implausible;
-use crate::alarm::Approach;
 use crate::blame::BlameMemory;
 use crate::decode::Value;
-use crate::estimate::{Estimate, VirtualSensor};
-use crate::frame::Buses;
 use crate::incident::Quantities;
-use crate::observe::commands::CommandWatch;
-use crate::observe::observer::{Innovation, Measurement, Observer, Restart, Uncorrected};
+use crate::observe::observer::{Measurement, Restart};
 use crate::process::Process;
-use crate::sample::motion::ReadingMotion;
-use crate::sample::plausibility::Plausibility;
-use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
+use crate::sample::{DeviceRole, Field, Inputs, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
-use crate::time::Timestamp;
-use crate::verdict::{Bank, Trigger};
+use crate::state::state;
+use crate::verdict::Residuals;
+use account::Account;
 use alloc::boxed::Box;
-use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
+use command::CommandState;
+pub use cycle::{Cycle, Evaluation};
 use dead_reckoning::DeadReckoning;
 pub use dead_reckoning::WaySource;
 pub use design::CylinderDesign;
-use devices::Watches;
+use estimating::EstimatedLength;
+use fde::Fde;
 use last::LastOne;
-pub use recording::Evaluated;
-use stopped::{OnStop, StopDrift};
+use readings::{CheckContext, Readings};
+use stopped::OnStop;
 pub use tally::Tally;
 use tilted::Tilted;
-
-/// The cycle in which a cylinder is evaluated.
-#[derive(Clone, Copy, Debug)]
-pub struct Evaluation {
-    /// Time of the evaluation: the last frame of the cycle, or its deadline.
-    pub at: Timestamp,
-    pub cycle: u64,
-    pub opened: Timestamp,
-    /// Buses that were heard, see [`crate::sample::plausibility::Moment::live`].
-    pub heard: Buses,
-    pub gate: Opening,
-    /// Whether the rods stand on their mechanical stops.
-    pub at_stop: bool,
-}
-
-/// Result of a transducer in a cycle.
-#[derive(Clone, Copy, Debug, Default)]
-struct Followed {
-    good: Option<Measurement>,
-    /// Whether its reading is not good, or a warning of its plausibility stands.
-    is_odd: bool,
-    innovation: Option<Innovation>,
-    restart: Option<Restart>,
-}
+use trip::Trip;
 
 const TRANSDUCERS: [Transducer; 2] = [Transducer::C1, Transducer::C2];
 
@@ -82,102 +55,73 @@ pub struct Cylinder {
     pub inputs: Inputs,
     /// Whether the cylinder is still to be evaluated in the open cycle.
     pub pending: bool,
-    plausibility: [Plausibility; 2],
-    motions: [ReadingMotion; 2],
-    /// `None` without devices that tell of themselves.
-    devices: Option<Box<Watches>>,
-    implausible: [Implausible; 3],
-    observers: [Observer; 2],
-    commands: CommandWatch,
-    /// Observers as if the newest readings had not corrected them, which may be wild.
-    uncorrected: [Option<Uncorrected>; 2],
-    bank: Bank,
+    pub(super) readings: Readings,
+    command: CommandState,
+    fde: Fde,
+    /// The machine's own rule.
+    trip: Trip,
     sequential: Option<Box<Sequential>>,
     /// `None` without tables of spool or pressures.
     process: Option<Box<Process>>,
     /// Whether the sums of the chambers' pressures are off in many cylinders.
     pub supply_is_odd: bool,
-    blame: BlameMemory,
+    /// `None` where the readings on the stop are not judged.
+    on_stop: Option<Box<OnStop>>,
+    /// What the deck's attitude finds of the only transducer.
+    tilted: Option<Tilted>,
     last: LastOne,
     /// `None` where there are two transducers, and neither oil nor a drive were learnt.
     reckoning: Option<Box<DeadReckoning>>,
-    /// What the deck's attitude finds of the only transducer.
-    tilted: Option<Tilted>,
-    /// `None` where the readings on the stop are not judged.
-    on_stop: Option<Box<OnStop>>,
-    /// What the stop finds of the only transducer.
-    drifted: Option<StopDrift>,
-    /// Virtual sensor; `None` where its estimates are not needed.
-    sensor: Option<Box<VirtualSensor>>,
-    estimated: Option<Estimate>,
-    /// Trigger of the measured C1 − C2.
-    critical: Trigger,
-    /// How soon the measured C1 − C2 is critical.
-    approach: Approach,
+    blame: BlameMemory,
+    /// `None` where no estimates are needed.
+    estimated: Option<Box<EstimatedLength>>,
     /// C1 of the newest cycle, m, if it was good.
     length: Option<f64>,
-    /// Newest measured C1 − C2, m.
-    apart: f64,
-    was_critical: bool,
-    command_missing: u32,
-    /// Whether no command came because its bus is silent.
-    command_silent: bool,
-    /// Way in one cycle of the newest command that moves the cylinder, m, signed; zero where it does not.
-    way: f64,
-    judged: [bool; 2],
-    blanks: Blanks,
+    account: Account,
     /// Whether it was watched in the newest cycle, or any detector has a finding.
     is_busy: bool,
     /// Whether an incident of it is open.
     pub is_watched: bool,
     /// Quantities of the newest cycle in which it was watched, or found anything.
     quantities: Quantities,
-    tally: Tally,
+}
+
+state! {
+    Cylinder {
+        inputs, pending, readings, command, fde, trip, supply_is_odd, tilted, last, blame, length, account, is_busy, is_watched,
+        quantities,
+    }
+    parts { sequential, process, on_stop, reckoning, estimated }
+    but { design }
 }
 
 impl Cylinder {
     pub fn new(design: CylinderDesign) -> Self {
-        let plausibility = |i: usize| Plausibility::new(design.limits[i].clone());
         let mut cylinder = Self {
             inputs: Inputs::default(),
             pending: false,
-            plausibility: [plausibility(0), plausibility(1)],
-            motions: [ReadingMotion::default(); 2],
-            devices: devices::watches(&design.devices),
-            implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
-            observers: design.observers.clone().map(Observer::new),
-            commands: CommandWatch::new(design.commands, design.observers[0].settle),
-            uncorrected: [None; 2],
-            bank: Bank::new(&design.judging_bank()),
+            readings: Readings::new(&design),
+            command: CommandState::new(&design),
+            fde: Fde::new(&design),
+            trip: Trip::new(&design),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),
             supply_is_odd: false,
+            on_stop: OnStop::of(design.sequential.is_some(), design.has(Transducer::C2)),
+            tilted: None,
+            last: LastOne::default(),
+            reckoning: DeadReckoning::of(&design).map(Box::new),
             blame: BlameMemory::new(
                 design.coincidence,
                 design.coincidence_cycles,
                 design.bank.sample_time,
             ),
-            last: LastOne::default(),
-            reckoning: DeadReckoning::of(&design).map(Box::new),
-            tilted: None,
-            on_stop: OnStop::of(design.sequential.is_some(), design.has(Transducer::C2)),
-            drifted: None,
-            sensor: None,
             estimated: None,
-            critical: design.trip(),
-            approach: Approach::new(design.deadlines, design.bank.sample_time),
             length: None,
-            apart: 0.0,
-            was_critical: false,
-            command_missing: 0,
-            command_silent: false,
-            way: 0.0,
-            judged: [false; 2],
-            blanks: Blanks::default(),
+            account: Account::default(),
             is_busy: false,
             is_watched: false,
             quantities: Quantities::default(),
-            tally: Tally::default(),
             design,
         };
         cylinder.restore(&DwellHistory::default());
@@ -185,7 +129,31 @@ impl Cylinder {
     }
 
     pub const fn tally(&self) -> &Tally {
-        &self.tally
+        &self.account.tally
+    }
+
+    /// Cylinder number and sequential detector, if it has one.
+    pub fn sequential(&self) -> Option<(u8, &Sequential)> {
+        Some((self.design.number, self.sequential.as_deref()?))
+    }
+
+    /// The same, to allow for what all cylinders show of their sampling.
+    pub(super) fn sequential_mut(&mut self) -> Option<&mut Sequential> {
+        self.sequential.as_deref_mut()
+    }
+
+    /// Process detector, if the cylinder has one.
+    pub fn process(&self) -> Option<&Process> {
+        self.process.as_deref()
+    }
+
+    /// The same, to take what was found of the machine's supply.
+    pub(super) fn process_mut(&mut self) -> Option<&mut Process> {
+        self.process.as_deref_mut()
+    }
+
+    pub fn count_anew(&mut self) {
+        self.account.count_anew();
     }
 
     /// Whether there may be anything to tell of the newest cycle: a finding, or an incident that is open.
@@ -237,7 +205,7 @@ impl Cylinder {
 
     /// Whether every configured transducer was judged by its observer in the newest cycle.
     pub fn judges(&self) -> bool {
-        TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.judged[t as usize])
+        TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.account.judged[t as usize])
     }
 
     /// Evaluates the cycle; its inputs must be cleared afterwards. `restarted` is called for
@@ -245,110 +213,128 @@ impl Cylinder {
     pub fn evaluate(
         &mut self,
         now: Evaluation,
-        mut restarted: impl FnMut(Transducer, Restart),
-    ) -> Evaluated {
+        restarted: impl FnMut(Transducer, Restart),
+    ) -> Cycle {
         self.pending = false;
-        let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
-        let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
-        if self.speaks() {
-            self.step_devices(now.heard, &readings);
-        }
-        for (motion, reading) in self.motions.iter_mut().zip(&readings) {
-            motion.follow(reading.as_ref().map(|reading| reading.position));
-        }
-        let c1 = self.follow::<0>(&readings, command, now);
-        let c2 = self.follow::<1>(&readings, command, now);
-        for (transducer, followed) in TRANSDUCERS.into_iter().zip([&c1, &c2]) {
-            if let Some(reason) = followed.restart {
-                restarted(transducer, reason);
-            }
-        }
-        let (good, innovations) = ([c1.good, c2.good], [c1.innovation, c2.innovation]);
-        self.length = good[0].map(|reading| reading.position);
-        self.follow_command(command, now);
-        let difference = good[0]
-            .zip(good[1])
-            .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
-        self.rest(now, good);
-        if self.sequential.is_some() {
-            self.judge_sequentially(now, good);
-        }
-        let (innovations, residuals) = self.judge(now, innovations, good, difference);
-        self.commands.take(command);
-        self.judge_measured(now.at, &readings);
-        if self.sequential.is_some() {
-            self.judge_beside_sequential(now.opened, &residuals, good);
-        }
-        if self.process.is_some() {
-            self.judge_process(now, good);
-            self.reckon_by_oil(now.opened, good);
-        }
+        let mut cycle = self.read(now);
+        self.observe(&mut cycle, restarted);
+        self.detect(&mut cycle);
         self.follow_standing();
-        let is_odd = c1.is_odd | c2.is_odd | self.implausible[DeviceRole::Valve as usize].raised();
-        let finds = self.judge_last(is_odd, now, &residuals, good, command);
-        if self.sensor.is_some() {
-            self.estimate(now, good, &residuals);
+        let finds = self.judge_last(&cycle);
+        if self.estimated.is_some() {
+            self.estimate(&cycle);
         }
-        let complete = self.is_complete();
-        self.tally.count(&residuals, self.judged.contains(&true), complete);
-        if !self.blanks.goes_on(self.judged) {
-            self.note_blank(now);
-        }
-        self.is_busy = self.is_watched | finds | self.drifted.is_some();
-        if self.is_busy {
-            self.note_quantities(&residuals);
-        }
-        Evaluated { readings, innovations, difference }
+        self.account(&cycle, finds);
+        cycle
     }
 
-    /// Judges the reading of the transducer of index `I` and steps its observer. The index is a
-    /// constant because as a variable it would cost an address computation for everything that
-    /// exists twice.
+    /// Takes the inputs of a cycle: which readings are good, and how the command moves the rod.
     #[inline(always)]
-    fn follow<const I: usize>(
-        &mut self,
-        readings: &[Option<Reading>; 2],
-        command: Option<f64>,
-        now: Evaluation,
-    ) -> Followed {
+    fn read(&mut self, now: Evaluation) -> Cycle {
+        let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
+        self.readings.take(&now, &self.design, &readings);
+        let mut cycle = Cycle {
+            now,
+            command: self.inputs.command_value().map(|u| u - self.design.command_offset),
+            readings,
+            good: [None; 2],
+            is_odd: false,
+            innovations: [None; 2],
+            difference: None,
+            residuals: Residuals { r: [None; 3] },
+        };
+        self.check::<0>(&mut cycle);
+        self.check::<1>(&mut cycle);
+        self.length = cycle.length();
+        let is_heard = now.heard.has(self.design.buses[DeviceRole::Valve as usize]);
+        let quality = self.command.follow(cycle.command, is_heard, &self.design);
+        self.readings.check_command(quality, now.at);
+        cycle.is_odd |= self.readings.is_implausible(DeviceRole::Valve as usize);
+        cycle
+    }
+
+    /// Checks the reading of transducer `I`, see [`Fde::observe`].
+    #[inline(always)]
+    fn check<const I: usize>(&mut self, cycle: &mut Cycle) {
         if !self.has(TRANSDUCERS[I]) {
             // The only reading that is left is supervised in every cycle.
-            return Followed { is_odd: true, ..Followed::default() };
+            cycle.is_odd = true;
+            return;
         }
-        let reading = readings[I].as_ref();
-        let (is_good, is_odd) = self.check(I, readings, now);
-        let good = reading
-            .filter(|_| is_good)
+        let (is_plain, is_all) = self.readings.take_plain(I, &cycle.readings);
+        let is_good = is_all || self.check_odd(I, is_plain, cycle);
+        let reading = cycle.readings[I].as_ref().filter(|_| is_good);
+        cycle.good[I] = reading
             .map(|reading| Measurement { position: reading.position, velocity: reading.velocity });
-        let (innovation, restart) = self.observers[I].step(good, command);
-        Followed { good, is_odd, innovation, restart }
     }
 
-    fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
-        let heard = now.heard.has(self.design.buses[DeviceRole::Valve as usize]);
-        match command {
-            Some(u) => {
-                self.command_missing = 0;
-                let moves = u.abs() > self.design.moving_speed;
-                self.way = if moves { u * self.design.bank.sample_time } else { 0.0 };
-            }
-            None => {
-                let aged = u32::from(heard);
-                self.command_missing = self.command_missing.saturating_add(aged);
-            }
-        }
-        self.command_silent = command.is_none() && !heard;
-        let stale = self.command_missing >= self.design.command_stale;
-        let quality = match (command, stale) {
-            (Some(_), _) => Quality::Good,
-            (None, true) => Quality::Stale,
-            (None, false) => Quality::Missing,
+    /// Checks a reading that is not plain, or of which a warning stands; returns whether it is good.
+    #[inline(never)]
+    fn check_odd(&mut self, i: usize, is_plain: bool, cycle: &mut Cycle) -> bool {
+        let context = CheckContext {
+            now: cycle.now,
+            design: &self.design,
+            inputs: &self.inputs,
+            way: self.command.way,
+            been: self.last.been(),
+            sequential: self.sequential.as_deref(),
+            bank: &self.fde.bank,
+            blame: &self.blame,
         };
-        if !quality.is_good()
-            || self.implausible[DeviceRole::Valve as usize].raised()
-            || self.speaks()
+        let is_good = self.readings.judge(i, is_plain, &cycle.readings, &context).is_good();
+        self.account.tally.implausible[i] += u64::from(cycle.readings[i].is_some() && !is_good);
+        cycle.is_odd |= !is_good || self.readings.is_implausible(i);
+        is_good
+    }
+
+    /// Steps the observers, and compares C1 with the corrected C2.
+    #[inline(always)]
+    fn observe(&mut self, cycle: &mut Cycle, mut restarted: impl FnMut(Transducer, Restart)) {
+        if self.has(Transducer::C1)
+            && let Some(reason) = self.fde.observe::<0>(cycle)
         {
-            self.doubt_command(quality, now.at);
+            restarted(Transducer::C1, reason);
+        }
+        if self.has(Transducer::C2)
+            && let Some(reason) = self.fde.observe::<1>(cycle)
+        {
+            restarted(Transducer::C2, reason);
+        }
+        let [c1, c2] = cycle.lengths();
+        cycle.difference = c1.zip(c2).map(|(c1, c2)| self.design.comparator.residual(c1, c2));
+    }
+
+    /// Lets each detector judge the cycle, in the order in which one needs what another has found.
+    #[inline(always)]
+    fn detect(&mut self, cycle: &mut Cycle) {
+        self.rest(cycle);
+        if self.sequential.is_some() {
+            self.judge_sequentially(cycle);
+        }
+        self.judge_residuals(cycle);
+        self.command.watch.take(cycle.command);
+        self.judge_measured(cycle);
+        if self.sequential.is_some() {
+            self.judge_beside_sequential(cycle);
+        }
+        if self.process.is_some() {
+            self.judge_process(cycle);
+            self.reckon_by_oil(cycle);
+        }
+    }
+
+    /// Counts what was judged, and keeps what an incident is compared with.
+    #[inline(always)]
+    fn account(&mut self, cycle: &Cycle, finds: bool) {
+        let complete = self.is_complete();
+        let Account { judged, blanks, tally } = &mut self.account;
+        tally.count(&cycle.residuals, judged.contains(&true), complete);
+        if !blanks.goes_on(*judged) {
+            self.note_blank(cycle);
+        }
+        self.is_busy = self.is_watched | finds | self.has_drifted();
+        if self.is_busy {
+            self.note_quantities(&cycle.residuals);
         }
     }
 }

@@ -34,7 +34,7 @@ impl Monitor {
             DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
                 Some(state) => {
                     for (index, role) in &service.devices {
-                        self.cylinders[usize::from(*index)].hear_heartbeat(*role, state);
+                        self.cylinders[usize::from(*index)].readings.hear_heartbeat(*role, state);
                     }
                 }
                 None => self.counts.bad_signals += 1,
@@ -60,7 +60,7 @@ impl Monitor {
         {
             next += 1;
             let index = usize::from(index);
-            if self.cylinders[index].hear_emergency(role, now, emergency) {
+            if self.cylinders[index].readings.hear_emergency(role, now, emergency) {
                 self.warn(index, now, sink);
             }
         }
@@ -69,11 +69,11 @@ impl Monitor {
     /// Tells what the devices of the cylinder of `index` have said that is no fault.
     #[inline(always)]
     pub(super) fn tell_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
-        if !self.cylinders[index].speaks() {
+        if !self.cylinders[index].readings.has_devices() {
             return;
         }
         let cylinder = index as u8 + 1;
-        self.cylinders[index].take_news(|role, node, news| {
+        self.cylinders[index].readings.take_news(|role, node, news| {
             sink.notice(&Notice::Device { at, cylinder, role, node, news });
         });
     }

@@ -340,16 +340,16 @@ impl Monitor {
         };
         self.opened_once |= now.gate == Opening::Open;
         let number = index as u8 + 1;
-        let evaluated = cylinder.evaluate(now, |transducer, reason| {
+        let cycle = cylinder.evaluate(now, |transducer, reason| {
             let detector = [Detector::Fde1, Detector::Fde2][transducer as usize];
             sink.notice(&Notice::Restart { at, cylinder: number, detector, reason });
         });
         if sink.wants_records() {
-            sink.record(&cylinder.record(now, &evaluated));
+            sink.record(&cylinder.record(&cycle));
         }
         cylinder.inputs.clear();
         self.tell_devices(index, at, sink);
-        if self.cylinders[index].has_unnamed() {
+        if self.cylinders[index].readings.has_unnamed() {
             self.tell_status(index, at, sink);
         }
         if let Some(dwell) = self.cylinders[index].take_dwell() {

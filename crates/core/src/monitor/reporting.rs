@@ -110,7 +110,7 @@ impl Monitor {
     #[cold]
     pub(super) fn tell_status(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let cylinder = index as u8 + 1;
-        for (transducer, bits) in self.cylinders[index].take_unnamed() {
+        for (transducer, bits) in self.cylinders[index].readings.take_unnamed() {
             self.counts.unnamed_status_bits += u64::from(bits.count_ones());
             sink.notice(&Notice::UnnamedStatus { at, cylinder, transducer, bits });
         }

@@ -27,7 +27,8 @@ impl Monitor {
         let said = cylinders.iter().filter_map(Cylinder::sequential);
         let said = said.filter_map(|(_, detector)| detector.said());
         let (apart, told) = sampling.judge(said).unwrap_or_default();
-        cylinders.iter_mut().for_each(|cylinder| cylinder.allow(&apart));
+        let detectors = cylinders.iter_mut().filter_map(Cylinder::sequential_mut);
+        detectors.for_each(|detector| detector.allow(&apart));
         ask(cylinders);
         if let Some(changed) = told {
             sink.notice(&Notice::Timing { at, apart: changed.then_some(apart) });
@@ -46,6 +47,8 @@ fn ask(cylinders: &mut [Cylinder]) {
         let others = others.filter_map(|(_, cylinder)| cylinder.sequential());
         let evidence = others.filter_map(|(_, detector)| detector.evidence(&claim));
         let may_be_timing = !claim.is_contradicted(evidence);
-        cylinders[index].hear(may_be_timing);
+        if let Some(detector) = cylinders[index].sequential_mut() {
+            detector.hear(may_be_timing);
+        }
     }
 }

@@ -1,9 +1,8 @@
 //! When the observers of a cylinder did not judge, and why: no warning is good news only where there was
 //! judgement.
 
-use super::{Cylinder, Evaluation, TRANSDUCERS};
-use crate::monitor::gate::Opening;
-use crate::sample::{Quality, Transducer};
+use super::TRANSDUCERS;
+use crate::sample::Transducer;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 
@@ -112,52 +111,39 @@ impl Blanks {
         (0..2).for_each(|i| self.end(i, last, cycles));
         self.judged = [true; 2];
     }
-}
 
-impl Cylinder {
-    /// Takes that an observer judges again, or no more.
-    #[cold]
-    pub(super) fn note_blank(&mut self, now: Evaluation) {
-        // This one has been counted.
-        let before = self.tally.cycles - 1;
-        for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
-            if self.judged[i] {
-                self.blanks.end(i, now.opened, before);
-            } else if self.has(transducer) && self.blanks.open[i].is_none() {
-                let reason = self.not_judged(i, now);
-                self.blanks.open[i] = Some(Begun { from: now.opened, before, reason });
+    /// Takes that a transducer is judged again at `opened`, or no more, and then for which reason. The cylinder has had
+    /// `before` cycles before this one.
+    pub fn change(
+        &mut self,
+        judged: [bool; 2],
+        opened: Timestamp,
+        before: u64,
+        reason: impl Fn(usize) -> Option<NotJudged>,
+    ) {
+        for i in 0..2 {
+            if judged[i] {
+                self.end(i, opened, before);
+            } else if self.open[i].is_none() {
+                let begin = |reason| Begun { from: opened, before, reason };
+                self.open[i] = reason(i).map(begin);
             }
         }
-        self.blanks.judged = self.judged;
+        self.judged = judged;
     }
 
-    fn not_judged(&self, i: usize, now: Evaluation) -> NotJudged {
-        match self.plausibility[i].quality() {
-            Quality::Missing | Quality::Stale => NotJudged::NoReadings,
-            Quality::Doubtful => NotJudged::Doubtful,
-            quality if !quality.is_good() => NotJudged::Implausible,
-            _ if now.gate == Opening::Closed => NotJudged::State,
-            _ if !self.design.observes => NotJudged::NoBaseline,
-            _ if self.command_missing > 0 || self.command_silent => NotJudged::NoCommand,
-            _ => NotJudged::Settling,
-        }
+    /// The longest ones, those that last until `newest` among them.
+    pub fn longest(&self, newest: Timestamp) -> impl Iterator<Item = Blank> {
+        let lasting =
+            TRANSDUCERS.into_iter().zip(&self.open).filter_map(move |(transducer, open)| {
+                let Begun { from, reason, .. } = (*open)?;
+                Some(Blank { transducer, from, until: newest, reason })
+            });
+        self.longest.iter().flatten().flatten().copied().chain(lasting)
     }
 
-    /// The longest times in which the observers did not judge, those that last until `newest` among them.
-    pub fn blanks(&self, newest: Timestamp) -> impl Iterator<Item = Blank> {
-        let Blanks { open, longest, .. } = &self.blanks;
-        let lasting = TRANSDUCERS.into_iter().zip(open).filter_map(move |(transducer, open)| {
-            let Begun { from, reason, .. } = (*open)?;
-            Some(Blank { transducer, from, until: newest, reason })
-        });
-        longest.iter().flatten().flatten().copied().chain(lasting)
-    }
-
-    /// Cycles that the observers of C1 and C2 did not judge; `None` for a transducer that is not configured.
-    pub fn unjudged(&self) -> [Option<u64>; 2] {
-        core::array::from_fn(|i| {
-            let lasting = self.blanks.open[i].map_or(0, |open| self.tally.cycles - open.before);
-            self.has(TRANSDUCERS[i]).then_some(self.blanks.cycles[i] + lasting)
-        })
+    /// Cycles in them of transducer `i`, the cylinder having had so many `cycles`.
+    pub fn count(&self, i: usize, cycles: u64) -> u64 {
+        self.cycles[i] + self.open[i].map_or(0, |open| cycles - open.before)
     }
 }

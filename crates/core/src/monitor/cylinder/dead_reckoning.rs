@@ -13,14 +13,12 @@ mod course;
 mod free_model;
 
 use super::last::{SharedDeparture, common};
-use super::{Cylinder, CylinderDesign, Evaluation, TRANSDUCERS};
+use super::{Cycle, Cylinder, CylinderDesign, TRANSDUCERS};
 use crate::estimate::mean::Mean;
-use crate::monitor::gate::Opening;
-use crate::observe::observer::Measurement;
 use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
 use crate::state::state;
-use crate::time::{self, Timestamp};
+use crate::time;
 use crate::verdict::VerdictParameters;
 use course::ReckonedCourse;
 use free_model::FreeModel;
@@ -303,7 +301,7 @@ impl Cylinder {
 
     /// Takes a cycle until which the oil has given the velocity.
     #[inline]
-    pub(super) fn reckon_by_oil(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
+    pub(super) fn reckon_by_oil(&mut self, cycle: &Cycle) {
         if !self.reckons_by(WaySource::Oil) {
             return;
         }
@@ -311,45 +309,40 @@ impl Cylinder {
         let Some(reckoning) = &mut self.reckoning else { return };
         reckoning.go(velocity);
         if reckoning.begin() {
-            self.judge_reckoning(at, good);
+            self.judge_reckoning(cycle);
         }
     }
 
     /// Takes a cycle in which the drive has given the velocity.
     #[inline]
-    pub(super) fn reckon_by_drive(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
+    pub(super) fn reckon_by_drive(&mut self, cycle: &Cycle) {
         if !self.reckons_by(WaySource::Drive) {
             return;
         }
         let sequential = self.sequential.as_deref();
-        self.reckon(at, good, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
+        self.reckon(cycle, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
     }
 
     /// The same of a cylinder with one transducer, by the model alone.
-    pub(super) fn reckon_by_model(
-        &mut self,
-        now: Evaluation,
-        good: [Option<Measurement>; 2],
-        command: Option<f64>,
-    ) {
+    pub(super) fn reckon_by_model(&mut self, cycle: &Cycle) {
         if !self.reckons_by(WaySource::Model) {
             return;
         }
-        let is_open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
+        let is_open = cycle.is_monitored() && !self.command.is_stale();
         let Some(reckoning) = &mut self.reckoning else { return };
         if !is_open {
             reckoning.model = FreeModel::new(reckoning.settling);
         }
         let by = &self.design.observers[0];
-        let length = good[0].or(good[1]).filter(|_| is_open);
-        let velocity = length.and_then(|it| reckoning.model.step(by, it.position, command));
-        self.reckon(now.opened, good, velocity);
+        let length = cycle.good[0].or(cycle.good[1]).filter(|_| is_open);
+        let velocity = length.and_then(|it| reckoning.model.step(by, it.position, cycle.command));
+        self.reckon(cycle, velocity);
     }
 
     #[inline(always)]
-    fn reckon(&mut self, at: Timestamp, good: [Option<Measurement>; 2], velocity: Option<f64>) {
+    fn reckon(&mut self, cycle: &Cycle, velocity: Option<f64>) {
         if self.reckoning.as_mut().is_some_and(|it| it.begin()) {
-            self.judge_reckoning(at, good);
+            self.judge_reckoning(cycle);
         }
         if let Some(reckoning) = &mut self.reckoning {
             reckoning.go(velocity);
@@ -358,16 +351,16 @@ impl Cylinder {
 
     /// Judges the readings at a tick, and latches what departs from dead reckoning.
     #[inline(never)]
-    fn judge_reckoning(&mut self, at: Timestamp, good: [Option<Measurement>; 2]) {
+    fn judge_reckoning(&mut self, cycle: &Cycle) {
         // A stretch that began with a wild reading would be off for good.
-        let readings =
-            [0, 1].map(|i| good[i].filter(|_| !self.bank.is_open(i)).map(|it| it.position));
+        let lengths = cycle.lengths();
+        let readings = [0, 1].map(|i| lengths[i].filter(|_| !self.fde.bank.is_open(i)));
         let is_explained = self.process.as_deref().is_some_and(|it| it.alarm().is_some());
         // The curve of a drive was not learnt beyond its lesson: in a sea of 3 m it was off by three times the most of
         // one of 2 m. And a stop holds the rod, however it is commanded: by whichever reading it is near one.
-        let is_elsewhere = self.commands.is_beyond()
+        let is_elsewhere = self.command.watch.is_beyond()
             || readings.into_iter().flatten().any(|it| self.is_near_end(it))
-            || self.has_idle_valve();
+            || self.readings.has_idle_valve();
         let (compared, is_calm) = (self.compared(readings), !self.finds_anything());
         let Some(reckoning) = &mut self.reckoning else { return };
         if is_explained {
@@ -378,7 +371,7 @@ impl Cylinder {
         } else if let Some(error) = reckoning.judge(readings, compared, is_calm) {
             // It would be found again at the next tick, and its end as another one.
             reckoning.forget();
-            self.take_course_error(compared, error, at);
+            self.take_course_error(compared, error, cycle.now.opened);
         }
     }
 }

@@ -1,7 +1,8 @@
-//! The devices of a cylinder, and what they say of themselves.
+//! The CANopen devices of a cylinder, and what they report of themselves.
 
-use super::{Cylinder, TRANSDUCERS};
-use crate::frame::Buses;
+use super::TRANSDUCERS;
+use super::readings::Readings;
+use crate::frame::{BusNumber, Buses};
 use crate::monitor::implausible::Checked;
 use crate::sample::device::{DeviceDesign, DeviceNews, DeviceState, DeviceWatch, DeviceWord};
 use crate::sample::emergency::Emergency;
@@ -29,20 +30,7 @@ pub(super) fn watches(designs: &[Option<DeviceDesign>; 3]) -> Option<Box<Watches
     any.then(|| Box::new(Watches { each: DeviceRole::ALL.map(watch) }))
 }
 
-impl Cylinder {
-    /// Judges a command that is not good, or was not.
-    #[inline(never)]
-    pub(super) fn doubt_command(&mut self, quality: Quality, at: Timestamp) {
-        let quality = match self.word(DeviceRole::Valve as usize) {
-            DeviceWord::Failed => Quality::Failed,
-            DeviceWord::Lost => Quality::Stale,
-            DeviceWord::Nothing | DeviceWord::NotOperational => quality,
-        };
-        let report = self.report(DeviceRole::Valve as usize);
-        self.implausible[DeviceRole::Valve as usize]
-            .judge(at, Checked { quality, beyond: 0.0, report });
-    }
-
+impl Readings {
     fn watch_mut(&mut self, role: DeviceRole) -> Option<&mut DeviceWatch> {
         self.devices.as_mut()?.each[role as usize].as_mut()
     }
@@ -71,18 +59,23 @@ impl Cylinder {
         raises
     }
 
-    /// Whether it has devices that tell of themselves.
+    /// Whether it has devices that report on themselves.
     #[inline(always)]
-    pub const fn speaks(&self) -> bool {
+    pub const fn has_devices(&self) -> bool {
         self.devices.is_some()
     }
 
     /// Takes a cycle with these `readings`; see [`DeviceWatch::step`].
     #[cold]
-    pub(super) fn step_devices(&mut self, heard: Buses, readings: &[Option<Reading>; 2]) {
+    pub(super) fn step_devices(
+        &mut self,
+        heard: Buses,
+        buses: &[BusNumber; 3],
+        readings: &[Option<Reading>; 2],
+    ) {
         let Some(watches) = &mut self.devices else { return };
         let [c1, c2] = readings.each_ref().map(Option::is_some);
-        let live = self.design.buses.map(|bus| heard.has(bus));
+        let live = buses.map(|bus| heard.has(bus));
         for (i, (watch, reads)) in watches.each.iter_mut().zip([c1, c2, false]).enumerate() {
             if let Some(watch) = watch {
                 watch.step(live[i], reads);
@@ -114,7 +107,7 @@ impl Cylinder {
     /// transducer is at fault.
     #[inline(always)]
     pub(super) fn has_idle_valve(&self) -> bool {
-        self.speaks() && self.word(DeviceRole::Valve as usize) == DeviceWord::NotOperational
+        self.has_devices() && self.word(DeviceRole::Valve as usize) == DeviceWord::NotOperational
     }
 
     /// Passes to `tell` what the devices have said that is no fault, with the role and node-ID of each.

@@ -1,19 +1,36 @@
-//! Inputs of the virtual sensor in a cycle.
+//! The estimated length: what the virtual sensor is given in a cycle.
 
 use super::last::SharedDeparture;
-use super::{Cylinder, Evaluation, TRANSDUCERS};
+use super::{Cycle, Cylinder, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::estimate::{Estimate, SensorInput, VirtualSensor};
-use crate::monitor::gate::Opening;
-use crate::observe::observer::Measurement;
-use crate::verdict::{FDE3, Fault, Residuals, Suspect};
+use crate::state::state;
+use crate::verdict::{FDE3, Fault, Suspect};
 use alloc::boxed::Box;
+
+/// The virtual sensor of a cylinder, and its newest estimate.
+#[derive(Clone, Debug)]
+pub(super) struct EstimatedLength {
+    sensor: VirtualSensor,
+    newest: Option<Estimate>,
+}
+
+state! {
+    EstimatedLength { sensor, newest }
+}
+
+impl EstimatedLength {
+    pub fn interrupt(&mut self) {
+        self.sensor.interrupt();
+    }
+}
 
 impl Cylinder {
     /// This cylinder with a virtual sensor.
     pub fn estimating(mut self) -> Self {
-        self.sensor = Some(Box::new(VirtualSensor::new(self.design.estimate.clone())));
+        let sensor = VirtualSensor::new(self.design.estimate.clone());
+        self.estimated = Some(Box::new(EstimatedLength { sensor, newest: None }));
         self
     }
 
@@ -21,7 +38,7 @@ impl Cylinder {
     /// is not known.
     #[inline]
     pub fn estimated(&self) -> Option<Option<&Estimate>> {
-        self.sensor.as_ref().map(|_| self.estimated.as_ref())
+        self.estimated.as_ref().map(|it| it.newest.as_ref())
     }
 
     /// Whether no transducer is trusted, and the reading of one may have been wrong before it was blamed: what is found by
@@ -39,28 +56,22 @@ impl Cylinder {
     }
 
     /// Estimates the length, after everything that blames a transducer in this cycle has done so.
-    pub(super) fn estimate(
-        &mut self,
-        now: Evaluation,
-        good: [Option<Measurement>; 2],
-        residuals: &Residuals,
-    ) {
+    pub(super) fn estimate(&mut self, cycle: &Cycle) {
         let found = if self.finds_anything() { self.findings() } else { Default::default() };
         let blames = |suspect| found.iter().flatten().any(|it: &Finding| it.suspect == suspect);
         let unblamed = [!blames(Suspect::C1), !blames(Suspect::C2)];
         // A reading that may be wild is not used until it is known, where another one is.
-        let sound = [0, 1].map(|i| unblamed[i] && !self.bank.is_open(i));
+        let sound = [0, 1].map(|i| unblamed[i] && !self.fde.bank.is_open(i));
         let trusted = [0, 1].map(|i| unblamed[i] && (sound[i] || !sound[1 - i]));
-        let is_parted = self.bank.is_open(FDE3) && sound == [true; 2];
+        let is_parted = self.fde.bank.is_open(FDE3) && sound == [true; 2];
         let high = self.design.bank.observer.high;
         let is_beyond = |innovation: f64| innovation.abs() > high;
-        let live = self.command_missing < self.design.command_stale;
         let input = SensorInput {
-            cycle: now.cycle,
-            lengths: good.map(|reading| reading.map(|reading| reading.position)),
-            velocity: good[1].and_then(|reading| reading.velocity),
+            cycle: cycle.now.cycle,
+            lengths: cycle.lengths(),
+            velocity: cycle.good[1].and_then(|reading| reading.velocity),
             command: self.inputs.command_value(),
-            follows: now.gate == Opening::Open && live,
+            follows: cycle.is_monitored() && !self.command.is_stale(),
             trusted,
             // The two differ by the error of one of them: by a blamed one's, or by that of a reading of which neither observer
             // shows yet whether it is wild, as where a rod moves slowly away from a frozen one.
@@ -70,10 +81,12 @@ impl Cylinder {
             process: blames(Suspect::Process),
             departs: self.last.shared.as_ref().map_or(0.0, SharedDeparture::size),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
-            beyond: [0, 1].map(|i| residuals.r[i].is_some_and(is_beyond)),
+            beyond: [0, 1].map(|i| cycle.residuals.r[i].is_some_and(is_beyond)),
             doubted: self.is_last_doubted(&found, unblamed),
         };
-        self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
+        if let Some(estimated) = &mut self.estimated {
+            estimated.newest = estimated.sensor.step(&input);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Findings of the detectors of a cylinder, and the resulting states of its transducers.
 
-use super::{Cylinder, Implausible, TRANSDUCERS};
+use super::{Cylinder, TRANSDUCERS};
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
@@ -17,21 +17,21 @@ impl Cylinder {
             || self.last.any_latched()
             || self.last.shared.is_some()
             || self.tilted.is_some()
-            || self.plausibility.iter().any(|it| it.quality() == Quality::Doubtful)
-            || self.implausible.iter().any(Implausible::raised)
+            || self.readings.plausibility.iter().any(|it| it.quality() == Quality::Doubtful)
+            || self.readings.any_implausible()
     }
 
     /// Whether there are any [`Self::findings`]. What the stop finds of the only transducer stands for months, in which
     /// everything else has to supervise that transducer as if nothing were found.
     pub fn has_findings(&self) -> bool {
-        self.finds_anything() || self.drifted.is_some()
+        self.finds_anything() || self.has_drifted()
     }
 
     /// Whether any detector beside the plausibility checks and the supervision of the last transducer has a finding now.
     #[inline(always)]
     pub(super) fn detects_anything(&self) -> bool {
-        self.bank.any_found()
-            || self.was_critical
+        self.fde.bank.any_found()
+            || self.trip.beyond().is_some()
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
             || self.process.as_ref().is_some_and(|process| process.alarm().is_some())
     }
@@ -106,7 +106,7 @@ impl Cylinder {
             memory: &self.blame,
             by_the_rod: alarm.and_then(seen_of_the_rod),
             is_process_found: self.process.as_ref().is_some_and(|it| it.alarm().is_some()),
-            is_apart: self.bank.verdicts()[2] == Verdict::Faulty || alarm.is_some(),
+            is_apart: self.fde.bank.verdicts()[2] == Verdict::Faulty || alarm.is_some(),
         };
         Some(blame(&Case { accuser, proposal, facts: &facts }, asked))
     }
@@ -162,7 +162,7 @@ impl Cylinder {
         if is_gain {
             return finding;
         }
-        let level = self.approach.urgency().level(&self.design.levels);
+        let level = self.trip.urgency().level(&self.design.levels);
         Finding { level: finding.level.max(level), ..finding }
     }
 
@@ -202,11 +202,11 @@ impl Cylinder {
     /// The finding of R3, or of the machine's own rule where that is broken: then with the measured
     /// difference and its limit.
     fn difference_finding(&self) -> Option<Finding> {
-        let [.., found] = self.bank.detections();
+        let [.., found] = self.fde.bank.detections();
         let found = found.zip(self.blame(Accuser::Fde3, |_, _| {}));
-        if !self.was_critical {
+        let Some(apart) = self.trip.beyond() else {
             return found.map(|(detection, blamed)| self.found(detection, blamed));
-        }
+        };
         let nobodys = (Fault::Unclassified, Blamed::new(Suspect::Undecided, Rule::MeasuredLimit));
         let (fault, Blamed { suspect, rule }) = match found {
             // The machine trips, whatever nobody has calibrated.
@@ -222,7 +222,7 @@ impl Cylinder {
             suspect,
             rule,
             level: self.design.levels.critical,
-            residual: Some(self.apart),
+            residual: Some(apart),
             threshold: Some(self.design.critical),
             evidence: None,
             device: None,
@@ -231,19 +231,16 @@ impl Cylinder {
 
     /// The only transducer that is frozen.
     fn frozen_one(&self) -> Option<Suspect> {
-        match [0, 1].map(|i| self.is_frozen(i)) {
+        match [0, 1].map(|i| self.readings.is_frozen(i)) {
             [true, false] => Some(Suspect::C1),
             [false, true] => Some(Suspect::C2),
             _ => None,
         }
     }
 
-    fn is_frozen(&self, i: usize) -> bool {
-        self.implausible[i].raised() && self.implausible[i].fault == Fault::Frozen
-    }
-
     fn implausible_finding(&self, i: usize, suspect: Suspect) -> Option<Finding> {
-        let implausible = self.implausible.get(i).filter(|implausible| implausible.raised())?;
+        let implausible =
+            self.readings.implausible.get(i).filter(|implausible| implausible.raised())?;
         let out_of_range = implausible.fault == Fault::OutOfRange;
         Some(Finding {
             fault: implausible.fault,
@@ -259,13 +256,13 @@ impl Cylinder {
 
     /// Whether the reading of transducer `i` stands, off the ends of the stroke, while the command moves the rod.
     fn is_left_standing(&self, i: usize) -> bool {
-        self.plausibility[i].is_left_standing()
-            && self.plausibility[i].newest().is_some_and(|it| !self.is_near_end(it))
+        let reading = &self.readings.plausibility[i];
+        reading.is_left_standing() && reading.newest().is_some_and(|it| !self.is_near_end(it))
     }
 
     /// State of each transducer; `stands` tells whether the warnings of this cycle blame it.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
-        let verdicts = self.bank.verdicts();
+        let verdicts = self.fde.bank.verdicts();
         core::array::from_fn(|i| {
             let blamed = suspect_of(TRANSDUCERS[i]);
             if !self.has(TRANSDUCERS[i]) {
@@ -274,7 +271,7 @@ impl Cylinder {
                 Health::Faulty
             } else if stands(Suspect::Undecided) {
                 Health::Suspect
-            } else if self.judged[i]
+            } else if self.account.judged[i]
                 && (verdicts[i] == Verdict::Healthy || !self.design.observes)
                 && !stands(Suspect::Process)
                 && !self.is_left_standing(i)

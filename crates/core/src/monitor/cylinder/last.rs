@@ -13,14 +13,13 @@ mod displacement;
 mod stop;
 mod usual;
 
-use super::{Cylinder, Evaluation, TRANSDUCERS};
+use super::{Cycle, Cylinder, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
-use crate::observe::observer::Measurement;
 use crate::sample::plausibility::NOWHERE;
 use crate::sample::{Quality, Transducer};
 use crate::state::whole;
-use crate::verdict::{Fault, Residuals, Suspect, Verdict};
+use crate::verdict::{Fault, Suspect, Verdict};
 pub(super) use departing::{SharedDeparture, common};
 use displacement::{CONFIRMED, Latch, Limits, Watched};
 use stop::Rest;
@@ -154,79 +153,64 @@ impl LastOne {
 }
 
 impl Cylinder {
-    /// Supervises the last transducer in a cycle, after all detectors have judged it; `is_odd` if a reading or the command
-    /// is not plausible. Returns whether any finds anything.
+    /// Supervises the last transducer in a cycle, after all detectors have judged it. Returns whether any finds anything.
     #[inline(always)]
-    pub(super) fn judge_last(
-        &mut self,
-        is_odd: bool,
-        now: Evaluation,
-        residuals: &Residuals,
-        good: [Option<Measurement>; 2],
-        command: Option<f64>,
-    ) -> bool {
-        if is_odd | self.last.is_attended | now.at_stop || self.detects_anything() {
-            return self.attend_last(now, residuals, good, command);
+    pub(super) fn judge_last(&mut self, cycle: &Cycle) -> bool {
+        if cycle.is_odd | self.last.is_attended | cycle.now.at_stop || self.detects_anything() {
+            return self.attend_last(cycle);
         }
-        if let Some(reading) = good[0].or(good[1]) {
-            self.follow_usual(reading.position, command, residuals);
-        }
-        self.last.difference = residuals.r[2];
+        self.follow_usual(cycle);
+        self.last.difference = cycle.residuals.r[2];
         false
     }
 
     /// Takes a cycle in which nothing was found.
     #[inline(always)]
-    fn follow_usual(&mut self, length: f64, command: Option<f64>, residuals: &Residuals) {
-        self.last.usual.extend(length, command);
+    fn follow_usual(&mut self, cycle: &Cycle) {
+        let Some(reading) = cycle.good[0].or(cycle.good[1]) else { return };
+        self.last.usual.extend(reading.position, cycle.command);
         if self.last.usual.calm.is_multiple_of(EVERY) {
             let most = MOST * self.design.bank.observer.high;
-            (0..2).for_each(|i| self.last.measure(i, residuals.r[i], most, EVERY));
+            (0..2).for_each(|i| self.last.measure(i, cycle.residuals.r[i], most, EVERY));
         }
     }
 
     /// [`Self::judge_last`] where anything is found, or was in the cycle before, or the rod stands on its stop.
     #[inline(never)]
-    fn attend_last(
-        &mut self,
-        now: Evaluation,
-        residuals: &Residuals,
-        good: [Option<Measurement>; 2],
-        command: Option<f64>,
-    ) -> bool {
+    fn attend_last(&mut self, cycle: &Cycle) -> bool {
         if !self.has(Transducer::C2) {
-            self.reckon_by_model(now, good, command);
+            self.reckon_by_model(cycle);
         }
         let finds = self.finds_anything();
         if finds {
-            self.judge_jump(now.at, residuals, good);
-            self.doubt_last(residuals, good);
-            self.try_motion(residuals, good, command);
+            self.judge_jump(cycle);
+            self.doubt_last(cycle);
+            self.try_motion(cycle);
             let most = MOST * self.design.bank.observer.high;
             let beside = [0, 1].map(|i| !self.is_last(i));
             for i in (0..2).filter(|i| beside[*i]) {
-                self.last.measure(i, residuals.r[i], most, 1);
+                self.last.measure(i, cycle.residuals.r[i], most, 1);
             }
-        } else if let Some(reading) = good[0].or(good[1]) {
+        } else if cycle.good.iter().any(Option::is_some) {
             self.last.forget();
-            self.follow_usual(reading.position, command, residuals);
+            self.follow_usual(cycle);
         }
-        self.last.difference = residuals.r[2];
-        if now.at_stop {
-            self.rest_last(good);
+        self.last.difference = cycle.residuals.r[2];
+        if cycle.now.at_stop {
+            self.rest_last(cycle);
         } else {
             self.leave_stop();
         }
         let is_out = self.last.of.iter().any(|it| it.out != 0);
-        self.last.is_attended = finds || is_out || now.at_stop;
+        self.last.is_attended = finds || is_out || cycle.now.at_stop;
         finds && self.finds_anything()
     }
 
     #[cold]
-    fn doubt_last(&mut self, residuals: &Residuals, good: [Option<Measurement>; 2]) {
+    fn doubt_last(&mut self, cycle: &Cycle) {
         // One of them has moved again.
         let high = self.design.bank.difference.high;
-        self.last.has_joined &= residuals.r[2].is_none_or(|it| it.abs() <= high);
+        self.last.has_joined &= cycle.residuals.r[2].is_none_or(|it| it.abs() <= high);
         let findings = self.findings();
         let blamed = |i: usize| {
             let names = |place: WarningPlace| {
@@ -235,15 +219,17 @@ impl Cylinder {
             STANDING.into_iter().any(names)
         };
         for i in 0..2 {
-            let is_doubtful = self.plausibility[i].quality() == Quality::Doubtful;
-            let is_out =
-                self.implausible[i].raised() || is_doubtful || self.last.is_latched(i) || blamed(i);
+            let is_doubtful = self.readings.quality(i) == Quality::Doubtful;
+            let is_out = self.readings.is_implausible(i)
+                || is_doubtful
+                || self.last.is_latched(i)
+                || blamed(i);
             let watched = &mut self.last.of[i];
             watched.out = if is_out { watched.out.saturating_add(1) } else { 0 };
         }
         for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
             if self.has(transducer) {
-                self.judge_alone(i, residuals, good);
+                self.judge_alone(i, cycle);
             }
         }
         self.release_last();
@@ -254,20 +240,20 @@ impl Cylinder {
         !self.has(TRANSDUCERS[1 - i]) || self.last.of[1 - i].out > self.design.coincidence_cycles
     }
 
-    fn judge_alone(&mut self, i: usize, residuals: &Residuals, good: [Option<Measurement>; 2]) {
-        let residual = residuals.r[i];
-        let found = self.bank.detections()[i];
+    fn judge_alone(&mut self, i: usize, cycle: &Cycle) {
+        let residual = cycle.residuals.r[i];
+        let found = self.fde.bank.detections()[i];
         let is_evidence = self.design.observes
             && self.is_last(i)
             && self.last.usual.unusual == 0
-            && !self.is_elsewhere(residuals, good)
-            && self.is_seen_by_difference(i, residuals)
+            && !self.is_elsewhere(cycle)
+            && self.is_seen_by_difference(i, cycle)
             && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
         let high = self.design.bank.observer.high;
         // On a machine that the model fits badly a threshold alone is no evidence.
         let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
         let limits = Limits { least: high.max(usual), ..Limits::of(&self.design, i) };
-        let is_apart = !self.implausible[1 - i].raised() && !self.last.is_latched(1 - i);
+        let is_apart = !self.readings.is_implausible(1 - i) && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let exceeds = residual.is_some_and(|it| it.abs() > high.max(NAMED * usual));
         watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
@@ -288,14 +274,15 @@ impl Cylinder {
             latch.fault = found.fault;
         }
         if confirmed.is_some() && self.last.was_apart {
-            self.join(i, residuals);
+            self.join(i, cycle);
         }
     }
 
     /// Takes that transducer `i` was displaced while the other one stood off: where they agree since, neither can be relied
     /// on.
-    fn join(&mut self, i: usize, residuals: &Residuals) {
-        let agree = residuals.r[2].is_some_and(|it| it.abs() <= self.design.bank.difference.high);
+    fn join(&mut self, i: usize, cycle: &Cycle) {
+        let agree =
+            cycle.residuals.r[2].is_some_and(|it| it.abs() <= self.design.bank.difference.high);
         if !agree || !self.has(TRANSDUCERS[1 - i]) {
             return;
         }
@@ -305,31 +292,27 @@ impl Cylinder {
     }
 
     /// Follows in which motion the observer of the last transducer is quiet.
-    fn try_motion(
-        &mut self,
-        residuals: &Residuals,
-        good: [Option<Measurement>; 2],
-        command: Option<f64>,
-    ) {
-        let is_elsewhere = self.is_elsewhere(residuals, good);
-        let detections = self.bank.detections();
+    fn try_motion(&mut self, cycle: &Cycle) {
+        let is_elsewhere = self.is_elsewhere(cycle);
+        let detections = self.fde.bank.detections();
         let is_watched = |i: &usize| self.has(TRANSDUCERS[*i]) && self.is_last(*i);
-        let last = (0..2).find(|i| is_watched(i) && good[*i].is_some());
-        let is_quiet = last.is_some_and(|i| detections[i].is_none() && residuals.r[i].is_some())
+        let last = (0..2).find(|i| is_watched(i) && cycle.good[*i].is_some());
+        let is_quiet = last
+            .is_some_and(|i| detections[i].is_none() && cycle.residuals.r[i].is_some())
             && !self.last.any_latched();
-        let length = last.and_then(|i| good[i]).map(|it| it.position);
+        let length = last.and_then(|i| cycle.good[i]).map(|it| it.position);
         let settle = self.design.observers[0].settle;
         let usual = &mut self.last.usual;
-        let motion = usual.motion(length.unwrap_or_default(), command);
+        let motion = usual.motion(length.unwrap_or_default(), cycle.command);
         let motion = MotionRange { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
         usual.try_out(&motion, is_elsewhere, is_quiet, settle);
     }
 
     /// Whether C1 − C2, where it is still known, has jumped as the innovation of transducer `i` says: an error of the model
     /// is not in it.
-    fn is_seen_by_difference(&self, i: usize, residuals: &Residuals) -> bool {
-        let jump = residuals.r[2].zip(self.last.difference).map(|(now, before)| now - before);
-        let own = residuals.r[i].unwrap_or_default();
+    fn is_seen_by_difference(&self, i: usize, cycle: &Cycle) -> bool {
+        let jump = cycle.residuals.r[2].zip(self.last.difference).map(|(now, before)| now - before);
+        let own = cycle.residuals.r[i].unwrap_or_default();
         jump.is_none_or(|jump| jump.abs() >= CONFIRMED * own.abs())
     }
 
@@ -344,10 +327,10 @@ impl Cylinder {
     fn release_last(&mut self) {
         let is_back = |i: usize| {
             self.has(TRANSDUCERS[i])
-                && !self.implausible[i].raised()
-                && self.plausibility[i].quality() == Quality::Good
+                && !self.readings.is_implausible(i)
+                && self.readings.quality(i) == Quality::Good
         };
-        let agree = self.bank.verdicts()[2] == Verdict::Healthy;
+        let agree = self.fde.bank.verdicts()[2] == Verdict::Healthy;
         let differ =
             self.last.has_joined || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {

@@ -1,22 +1,11 @@
 //! Records of a cylinder's cycle.
 
-use super::{Cylinder, Evaluation};
+use super::{Cycle, Cylinder};
 use crate::incident::Quantities;
-use crate::monitor::gate::Opening;
 use crate::monitor::sink::Record;
 use crate::observe::observer::Innovation;
-use crate::sample::Reading;
 use crate::sample::plausibility::Plausibility;
 use crate::verdict::Residuals;
-
-/// Results that an evaluation leaves for [`Cylinder::record`].
-#[derive(Clone, Copy, Debug)]
-pub struct Evaluated {
-    pub(super) readings: [Option<Reading>; 2],
-    pub(super) innovations: [Option<Innovation>; 2],
-    /// Residual R3, m.
-    pub(super) difference: Option<f64>,
-}
 
 impl Cylinder {
     /// What an incident is compared with in the newest cycle: what the detectors judged, and beyond the
@@ -29,16 +18,16 @@ impl Cylinder {
     pub(super) fn note_quantities(&mut self, residuals: &Residuals) {
         let mut shown = residuals.r;
         // What raised an FDE in this cycle may have been larger a sample before.
-        for (shown, found) in shown.iter_mut().zip(self.bank.detections()) {
+        for (shown, found) in shown.iter_mut().zip(self.fde.bank.detections()) {
             *shown = shown.map(|it| found.map_or(it, |found| found.residual));
         }
         let [r1, r2, r3] = shown;
-        self.quantities = [r1, r2, r3, self.was_critical.then_some(self.apart)];
+        self.quantities = [r1, r2, r3, self.trip.beyond()];
     }
 
     /// The record of the newest cycle, available until its inputs are cleared.
-    pub fn record(&self, now: Evaluation, evaluated: &Evaluated) -> Record {
-        let Evaluated { readings, innovations, difference } = *evaluated;
+    pub fn record(&self, cycle: &Cycle) -> Record {
+        let Cycle { now, readings, innovations, difference, .. } = *cycle;
         let [c1, c2] = readings.map(|reading| reading.map(|reading| reading.position));
         let residual = |i: usize| innovations[i].map(|innovation: Innovation| innovation.residual);
         Record {
@@ -48,7 +37,7 @@ impl Cylinder {
             c1,
             c2,
             velocities: readings.map(|reading| reading?.velocity),
-            qualities: self.plausibility.each_ref().map(Plausibility::quality),
+            qualities: self.readings.plausibility.each_ref().map(Plausibility::quality),
             pressures: self.inputs.pressures(),
             supply: self.inputs.supply_value(),
             spool: self.inputs.spool_value(),
@@ -56,9 +45,9 @@ impl Cylinder {
             command: self.inputs.command_value(),
             estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
             residuals: [residual(0), residual(1), difference],
-            judged: self.judged,
-            gated: !self.judged.contains(&true),
-            monitored: now.gate == Opening::Open,
+            judged: self.account.judged,
+            gated: !self.account.judged.contains(&true),
+            monitored: cycle.is_monitored(),
         }
     }
 }

@@ -4,11 +4,10 @@
 //! is then compared with what it read there before. A stop that wears by more than usual, or that is dented,
 //! looks the same, so that the finding leaves open which of the two it is.
 
-use super::{Cylinder, Evaluation};
+use super::{Cycle, Cylinder};
 use crate::alarm::{Evidence, Finding};
 use crate::blame::Rule;
 use crate::compare::Comparator;
-use crate::observe::observer::Measurement;
 use crate::sample::Transducer;
 use crate::sequential::dwell::Dwelling;
 use crate::sequential::{Blame, Dwell, DwellHistory, Gauging, Judgement, StopReadings};
@@ -24,10 +23,12 @@ pub(super) struct OnStop {
     history: DwellHistory,
     /// Dwell of the newest cycle.
     dwelt: Option<Dwell>,
+    /// What the stop finds of the only transducer.
+    drift: Option<StopDrift>,
 }
 
 state! {
-    OnStop { dwelling, history, dwelt }
+    OnStop { dwelling, history, dwelt, drift }
 }
 
 /// What the stop finds of the only transducer.
@@ -55,9 +56,9 @@ impl OnStop {
 impl Cylinder {
     /// Takes the readings of a cycle, on the stop or not.
     #[inline]
-    pub(super) fn rest(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
+    pub(super) fn rest(&mut self, cycle: &Cycle) {
         match &mut self.on_stop {
-            Some(_) if now.at_stop => self.stand(now, good),
+            Some(_) if cycle.now.at_stop => self.stand(cycle),
             Some(on_stop) => on_stop.dwelling.leave(),
             None => {}
         }
@@ -65,15 +66,15 @@ impl Cylinder {
 
     /// Takes the readings of a cycle on the stop.
     #[inline(never)]
-    fn stand(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
+    fn stand(&mut self, cycle: &Cycle) {
         let has_c2 = self.has(Transducer::C2);
         let Some(on_stop) = &mut self.on_stop else { return };
-        let [c1, c2] = good.map(|reading| reading.map(|it| it.position));
+        let [c1, c2] = cycle.lengths();
         let readings = match has_c2 {
             true => c1.zip(c2).map(|(c1, c2)| StopReadings::both([c1, c2])),
             false => c1.map(StopReadings::single),
         };
-        if let Some(dwell) = on_stop.dwelling.step(now.opened, readings) {
+        if let Some(dwell) = on_stop.dwelling.step(cycle.now.opened, readings) {
             on_stop.history.add(dwell);
             on_stop.dwelt = Some(dwell);
         }
@@ -106,21 +107,28 @@ impl Cylinder {
 
     /// Takes the judgement of this cylinder from the dwells of the machine up to `at`.
     pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
-        match &mut self.sequential {
-            Some(sequential) => sequential.judge_stop(at, judgement),
-            None if judgement.blame == Blame::C1 => {
+        match (&mut self.sequential, &mut self.on_stop) {
+            (Some(sequential), _) => sequential.judge_stop(at, judgement),
+            (None, Some(on_stop)) if judgement.blame == Blame::C1 => {
                 let size = judgement.moved.c1;
-                self.drifted.get_or_insert(StopDrift { size, onset: at });
+                on_stop.drift.get_or_insert(StopDrift { size, onset: at });
             }
-            None => self.drifted = None,
+            (None, Some(on_stop)) => on_stop.drift = None,
+            (None, None) => {}
         }
         self.is_busy |= self.has_findings();
+    }
+
+    /// Whether the stop finds anything of the only transducer.
+    #[inline]
+    pub(super) fn has_drifted(&self) -> bool {
+        self.on_stop.as_ref().is_some_and(|it| it.drift.is_some())
     }
 
     /// The finding of the stop where the cylinder has one transducer. It blames nobody: a millimetre of months makes
     /// neither the estimate nor the supervision of C1 worthless, and it may be the stop's.
     pub(super) fn stop_finding(&self) -> Option<Finding> {
-        let drift = self.drifted.as_ref()?;
+        let drift = self.on_stop.as_ref()?.drift.as_ref()?;
         Some(Finding {
             fault: Fault::Incipient,
             suspect: Suspect::Undecided,

@@ -1,6 +1,5 @@
 //! Counts and extremes of a cylinder.
 
-use super::Cylinder;
 use crate::process::ProcessCoverage;
 use crate::sequential::Coverage;
 use crate::state::whole;
@@ -26,14 +25,6 @@ pub struct Tally {
 }
 
 whole! { Tally { cycles, gated, incomplete, implausible, worst, sequential, process } }
-
-impl Cylinder {
-    /// Counts anew, also what is not judged at present.
-    pub fn count_anew(&mut self) {
-        self.tally = Tally::default();
-        self.blanks.count_anew();
-    }
-}
 
 impl Tally {
     /// Counts a cycle.

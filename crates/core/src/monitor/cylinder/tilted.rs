@@ -30,7 +30,7 @@ impl Cylinder {
         let (is_doubted, has_parted) = self.doubts();
         let is_single = !self.has(Transducer::C2);
         // Nothing else shows that a single reading is wild, and its mean would be wrong for seconds.
-        let is_wild = is_single && self.bank.is_open(TRANSDUCERS[0] as usize);
+        let is_wild = is_single && self.fde.bank.is_open(TRANSDUCERS[0] as usize);
         TiltLeg {
             length: self.length.filter(|_| !is_wild),
             is_healthy: !is_doubted,

@@ -3,12 +3,11 @@
 use super::displacement::{CONFIRMED, Latch, Limits, Watched};
 use crate::alarm::{Evidence, Finding};
 use crate::blame::{Accuser, Blamed, Rule};
-use crate::monitor::cylinder::Cylinder;
 use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError};
-use crate::observe::observer::Measurement;
+use crate::monitor::cylinder::{Cycle, Cylinder};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Residuals, Suspect, Testimony, Verdict, bank::Detection};
+use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 /// What both transducers are off by alike. Their difference is zero and both observers follow, so that it stands until the
 /// readings return, or rest on the stop as before.
@@ -66,22 +65,17 @@ impl Cylinder {
     /// Takes innovations that jump together while C1 − C2 stays, and go on doing so. By a model that fits badly a rod at work
     /// has such innovations, too, so that dead reckoning has to show the same jump.
     #[cold]
-    pub(super) fn judge_jump(
-        &mut self,
-        at: Timestamp,
-        residuals: &Residuals,
-        good: [Option<Measurement>; 2],
-    ) {
+    pub(super) fn judge_jump(&mut self, cycle: &Cycle) {
         let Some(reckoning) = &mut self.reckoning else { return };
-        let [fde1, fde2, _] = self.bank.detections().map(|it| it.map(|it| it.residual));
-        let [r1, r2, _] = residuals.r;
+        let [fde1, fde2, _] = self.fde.bank.detections().map(|it| it.map(|it| it.residual));
+        let [r1, r2, _] = cycle.residuals.r;
         let last = &mut self.last;
         let raised = fde1.zip(fde2);
         let was_raised = core::mem::replace(&mut last.are_raised, raised.is_some());
         // Beside a sequential detector the observers have followed by the time that a jump is known not to be wild.
         let both = raised.filter(|_| !was_raised).or(r1.zip(r2));
         let innovation = both.map(|(one, other)| common([one, other]));
-        if self.bank.verdicts()[2] == Verdict::Faulty {
+        if self.fde.bank.verdicts()[2] == Verdict::Faulty {
             last.together = Watched::default();
             return;
         }
@@ -89,15 +83,15 @@ impl Cylinder {
         let was_tried = last.together.tried.is_some();
         let confirmed = last.together.confirm(innovation, &limits);
         if let (false, Some(jump)) = (was_tried, last.together.tried) {
-            let lengths = good[0].zip(good[1]).map(|(c1, c2)| [c1.position, c2.position]);
-            let error = lengths.and_then(|it| reckoning.error_of(it));
+            let [c1, c2] = cycle.lengths();
+            let error = c1.zip(c2).and_then(|(c1, c2)| reckoning.error_of([c1, c2]));
             last.jump = error.filter(|(off, limit)| {
                 off.abs() > *limit && (CONFIRMED..1.0 / CONFIRMED).contains(&(off / jump.first))
             });
         }
         let Some(jump) = confirmed else { return };
         let lasted = f64::from(limits.confirm) * self.design.bank.sample_time;
-        let since = at.after(Span::from_seconds(-lasted));
+        let since = cycle.now.at.after(Span::from_seconds(-lasted));
         last.shared = match (last.shared, last.jump) {
             (None, Some((off, limit))) => {
                 Some(SharedDeparture { off, limit, since, is_jump: true })
@@ -143,7 +137,7 @@ impl Cylinder {
     pub(in super::super) fn observer_finding(&self, accuser: Accuser) -> Option<Finding> {
         let i = accuser.observed()? as usize;
         let blamed = self.blame(accuser, |_, _| {})?;
-        let found = self.bank.detections()[i];
+        let found = self.fde.bank.detections()[i];
         let Some(latch) = self.last.of[i].latch else {
             return found.map(|found| self.found(found, blamed));
         };

@@ -1,7 +1,6 @@
 //! The last transducer on the mechanical stop, where it reads what it read there before.
 
-use super::Cylinder;
-use crate::observe::observer::Measurement;
+use super::{Cycle, Cylinder};
 use crate::state::whole;
 
 /// Reading on the mechanical stop.
@@ -45,11 +44,11 @@ impl Rest {
 impl Cylinder {
     /// Takes the readings on the mechanical stop.
     #[cold]
-    pub(super) fn rest_last(&mut self, good: [Option<Measurement>; 2]) {
+    pub(super) fn rest_last(&mut self, cycle: &Cycle) {
         let stands = self.design.observers[0].settle.max(1);
-        for (rest, reading) in self.last.rests.iter_mut().zip(good) {
+        for (rest, reading) in self.last.rests.iter_mut().zip(cycle.lengths()) {
             let Some(reading) = reading else { continue };
-            rest.take(reading.position, self.design.bank.observer.high, stands);
+            rest.take(reading, self.design.bank.observer.high, stands);
         }
         let agrees = |i: usize| {
             let Rest { count, stood, healthy, .. } = self.last.rests[i];

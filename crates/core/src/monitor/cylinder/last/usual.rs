@@ -1,10 +1,8 @@
 //! The motion of the rod in which its observers were quiet. In another one they are no evidence.
 
-use super::Cylinder;
-use crate::observe::observer::Measurement;
+use super::{Cycle, Cylinder};
 use crate::sample::plausibility::NOWHERE;
 use crate::state::whole;
-use crate::verdict::Residuals;
 
 /// A rod that moves so far beyond where it has been, m, is not on a stop, and by half of the way that it has been, unless
 /// it comes near an end of its stroke: each high wave goes further than the one before.
@@ -124,17 +122,14 @@ impl UsualMotion {
 impl Cylinder {
     /// Whether the rod is expected where it was not while nothing was found, such as on a stop, which is no fault of a
     /// reading.
-    pub(super) fn is_elsewhere(
-        &self,
-        residuals: &Residuals,
-        good: [Option<Measurement>; 2],
-    ) -> bool {
+    pub(super) fn is_elsewhere(&self, cycle: &Cycle) -> bool {
         let [lowest, highest] = self.last.been();
         let (half, [least, most]) = (0.5 * (highest - lowest), self.inner_stroke());
         let lowest = (lowest - half).max(least).min(lowest - NEAR);
         let highest = (highest + half).min(most).max(highest + NEAR);
         let is_beyond = |i: usize| {
-            let expected = good[i].map(|it| it.position - residuals.r[i].unwrap_or_default());
+            let innovation = cycle.residuals.r[i].unwrap_or_default();
+            let expected = cycle.good[i].map(|it| it.position - innovation);
             let place = expected.map(|it| match i {
                 0 => it,
                 _ => self.design.comparator.corrected(it),
