@@ -184,3 +184,24 @@ fn the_command_at_which_a_cylinder_rests_is_taken_off() {
     (0..100).flat_map(either_way).for_each(|frame| monitor.take(&frame, &mut seen));
     assert!(!seen.warnings.is_empty(), "readings that follow no command are frozen");
 }
+
+/// The pressures of cylinder 1 come in one of five cycles. Without the rule each cycle waits for them until its deadline.
+#[test]
+fn a_signal_slower_than_the_cycles_delays_none_and_is_used_when_it_comes() {
+    let (mut monitor, mut seen) = (surveying(), Collected::default());
+    let mut waited = 0;
+    for k in 0..100 {
+        for frame in Cycle::new(k).frames() {
+            let frame = with_pressures(frame);
+            let is_short = frame.id.value() == 0x1A1 && k % 5 != 0;
+            let data = if is_short { &frame.data()[..2] } else { frame.data() };
+            monitor.take(&Frame::new(frame.timestamp, frame.id, frame.kind, data), &mut seen);
+        }
+        let is_judged = |cylinder| seen.records.iter().filter(|it| it.cylinder == cylinder).count();
+        assert_eq!(is_judged(2), k as usize + 1, "its pressures come in each cycle");
+        waited += usize::from(is_judged(1) != k as usize + 1);
+    }
+    assert!(waited <= 4, "{waited} of 100 cycles were held open");
+    let read = seen.records.iter().filter(|it| it.cylinder == 1 && it.pressures[0].is_some());
+    assert_eq!(read.count(), 20);
+}

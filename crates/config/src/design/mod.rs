@@ -20,7 +20,7 @@ use flaw::once_per_key;
 use process::deadlines;
 use tertius_core::compare::Comparator;
 use tertius_core::frame::BusNumber;
-use tertius_core::monitor::cylinder::CylinderDesign;
+use tertius_core::monitor::cylinder::{CylinderDesign, LastParameters, ReckoningParameters};
 use tertius_core::monitor::gate::Gate;
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
 use tertius_core::monitor::{Estimates, MonitorDesign};
@@ -194,6 +194,8 @@ impl<'a> Connector<'a> {
                 parameters: judged,
                 sample_time: settings.machine.sample_time,
             },
+            last: &LastParameters::DEFAULT,
+            reckoning: &ReckoningParameters::DEFAULT,
             observers,
             estimate: self.estimate(n, sequential.as_ref(), first.lengths),
             sequential,

@@ -25,7 +25,7 @@ use crate::decode::Value;
 use crate::incident::Quantities;
 use crate::observe::observer::{Measurement, Restart};
 use crate::process::Process;
-use crate::sample::{DeviceRole, Field, Inputs, Transducer};
+use crate::sample::{Awaited, DeviceRole, Field, Inputs, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
 use crate::state::state;
 use crate::verdict::Residuals;
@@ -35,11 +35,12 @@ pub use blanks::{Blank, NotJudged};
 use command::CommandState;
 pub use cycle::{Cycle, Evaluation};
 use dead_reckoning::DeadReckoning;
-pub use dead_reckoning::WaySource;
+pub use dead_reckoning::{ReckoningParameters, WaySource};
 pub use design::CylinderDesign;
 use estimating::EstimatedLength;
 use fde::Fde;
 use last::LastOne;
+pub use last::LastParameters;
 use readings::{CheckContext, Readings};
 use stopped::OnStop;
 pub use tally::Tally;
@@ -55,6 +56,7 @@ pub struct Cylinder {
     pub inputs: Inputs,
     /// Whether the cylinder is still to be evaluated in the open cycle.
     pub pending: bool,
+    awaited: Awaited,
     pub(super) readings: Readings,
     command: CommandState,
     fde: Fde,
@@ -88,7 +90,7 @@ pub struct Cylinder {
 
 state! {
     Cylinder {
-        inputs, pending, readings, command, fde, trip, supply_is_odd, tilted, last, blame, length, account, is_busy, is_watched,
+        inputs, pending, awaited, readings, command, fde, trip, supply_is_odd, tilted, last, blame, length, account, is_busy, is_watched,
         quantities,
     }
     parts { sequential, process, on_stop, reckoning, estimated }
@@ -100,6 +102,7 @@ impl Cylinder {
         let mut cylinder = Self {
             inputs: Inputs::default(),
             pending: false,
+            awaited: Awaited::new(design.required, design.awaited),
             readings: Readings::new(&design),
             command: CommandState::new(&design),
             fde: Fde::new(&design),
@@ -190,7 +193,7 @@ impl Cylinder {
     /// Whether nothing more is awaited in this cycle.
     #[inline]
     pub const fn is_done(&self) -> bool {
-        self.inputs.got() & self.design.awaited == self.design.awaited
+        self.awaited.is_done(self.inputs.got())
     }
 
     /// Whether everything that is monitored has arrived.
@@ -208,6 +211,14 @@ impl Cylinder {
         TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.account.judged[t as usize])
     }
 
+    /// Opens a cycle.
+    #[inline]
+    pub fn open(&mut self) {
+        self.pending = true;
+        let kept = self.awaited.turn(self.inputs.got());
+        self.inputs.clear_except(kept);
+    }
+
     /// Evaluates the cycle; its inputs must be cleared afterwards. `restarted` is called for
     /// observers that restart.
     pub fn evaluate(
@@ -216,6 +227,7 @@ impl Cylinder {
         restarted: impl FnMut(Transducer, Restart),
     ) -> Cycle {
         self.pending = false;
+        self.awaited.take(self.inputs.got());
         let mut cycle = self.read(now);
         self.observe(&mut cycle, restarted);
         self.detect(&mut cycle);

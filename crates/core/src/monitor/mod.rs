@@ -6,27 +6,22 @@
 //! same frames therefore agree.
 
 mod accounts;
-mod admission;
 mod counts;
 pub mod cylinder;
-mod devices;
 mod estimates;
 mod explaining;
-mod filling;
+mod frames;
 pub mod gate;
 mod implausible;
 mod intake;
-mod memory;
+mod machine;
 mod page;
 mod passage;
 mod reporting;
-mod sampling;
 mod saved;
 mod silence;
 pub mod sink;
 pub mod subscriptions;
-mod supply;
-mod tilt;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{Detector, Encoder, Register};
@@ -275,10 +270,7 @@ impl Monitor {
         self.counts.cycles += 1;
         self.pending = self.cylinders.len();
         self.incomplete = false;
-        for cylinder in &mut self.cylinders {
-            cylinder.pending = true;
-            cylinder.inputs.clear();
-        }
+        self.cylinders.iter_mut().for_each(Cylinder::open);
         self.reckon_due();
         self.take_newest(stamp, now, sink);
         if self.keeps {

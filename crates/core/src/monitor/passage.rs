@@ -4,7 +4,7 @@ use super::Monitor;
 use super::reporting::STATUS_PERIOD;
 use super::sink::{Notice, Sink};
 use super::subscriptions::{SubscribedSignal, Target};
-use crate::frame::BusNumber;
+use crate::frame::{BusNumber, Buses};
 use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;
 use crate::time::{Span, Timestamp};
@@ -159,6 +159,19 @@ impl Monitor {
         self.counts.missing += count;
         self.missing_run += count;
         self.lose_supply();
+    }
+
+    /// Ends the listening of a cycle, at `at`.
+    pub(super) fn end_hearing(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let heard = core::mem::take(&mut self.heard);
+        if let Some(silence) = &mut self.silence {
+            silence.follow(heard, |bus, silent| sink.notice(&Notice::Silence { at, bus, silent }));
+        }
+    }
+
+    /// Buses that are silent while another one is heard.
+    pub fn silent_buses(&self) -> Buses {
+        self.silence.as_ref().map_or(Buses::NONE, |silence| silence.told)
     }
 
     /// Does everything that falls due before `now`, in the order of time.

@@ -1,10 +1,8 @@
 //! Buses that are silent while another one of the same machine is heard.
 
-use super::sink::{Notice, Sink};
-use super::{Monitor, MonitorDesign};
+use super::MonitorDesign;
 use crate::frame::{BusNumber, Buses};
 use crate::state::state;
-use crate::time::Timestamp;
 
 /// Follows which buses are heard, cycle by cycle. Silence of all of them is evidence of nothing, and changes nothing.
 #[derive(Clone, Debug)]
@@ -16,7 +14,7 @@ pub(super) struct Silence {
     /// Cycles since each bus was heard last, in which another one was.
     cycles: [u64; BusNumber::ALL.len()],
     /// Buses of which it was told that they are silent.
-    told: Buses,
+    pub told: Buses,
 }
 
 state! {
@@ -39,7 +37,7 @@ impl Silence {
 
     /// Takes the buses that were `heard` in a cycle, and passes to `tell` those that fell silent (`true`) or are heard
     /// again.
-    fn follow(&mut self, heard: Buses, mut tell: impl FnMut(BusNumber, bool)) {
+    pub fn follow(&mut self, heard: Buses, mut tell: impl FnMut(BusNumber, bool)) {
         if heard.is_empty() {
             return;
         }
@@ -56,21 +54,6 @@ impl Silence {
                 tell(bus, silent);
             }
         }
-    }
-}
-
-impl Monitor {
-    /// Ends the listening of a cycle, at `at`.
-    pub(super) fn end_hearing(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        let heard = core::mem::take(&mut self.heard);
-        if let Some(silence) = &mut self.silence {
-            silence.follow(heard, |bus, silent| sink.notice(&Notice::Silence { at, bus, silent }));
-        }
-    }
-
-    /// Buses that are silent while another one is heard.
-    pub fn silent_buses(&self) -> Buses {
-        self.silence.as_ref().map_or(Buses::NONE, |silence| silence.told)
     }
 }
 

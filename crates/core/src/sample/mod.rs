@@ -1,6 +1,7 @@
 //! From decoded values to the sample of a cycle: groups readings by cycle and judges their quality.
 
 pub mod arrival;
+mod awaited;
 pub mod counter;
 pub mod cycle;
 pub mod device;
@@ -15,6 +16,7 @@ pub mod reading;
 pub mod sync_watch;
 mod when;
 
+pub use awaited::Awaited;
 pub use device::{DeviceReason, DeviceReport, DeviceRole};
 pub use quality::Quality;
 pub use reading::{Field, Inputs, Pressure, Reading, Transducer};

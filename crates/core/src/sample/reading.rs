@@ -110,7 +110,13 @@ whole! { Inputs { got, refused, doubted, counts, numbers } }
 impl Inputs {
     /// Forgets everything, for the next cycle.
     pub fn clear(&mut self) {
-        (self.got, self.refused, self.doubted) = (0, [false; 2], [false; 2]);
+        self.clear_except(0);
+    }
+
+    /// Forgets everything but the fields in `kept`.
+    #[inline]
+    pub fn clear_except(&mut self, kept: u16) {
+        (self.got, self.refused, self.doubted) = (self.got & kept, [false; 2], [false; 2]);
     }
 
     /// The fields that have arrived, by [`Field::bit`].

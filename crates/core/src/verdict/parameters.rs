@@ -44,31 +44,6 @@ pub struct VerdictParameters {
     pub stays: f64,
     /// Part of a residual from which the other observer sees it, too, and the model errs; 0.3 to 0.7.
     pub shared: f64,
-    /// So many of 64 innovations of the last transducer of a cylinder beyond its limit are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
-    /// sample has three: where one in a hundred is wild, as many meet about once in a thousand hours.
-    pub last_noise: u32,
-    /// A displacement of it has to stay for so long, s; 0.04 to 1. A transducer that fluctuates is now and then off for
-    /// 0.2 s (Figure 5-9), and by twice as much where one fluctuation follows the other.
-    pub confirmed: f64,
-    /// The last transducer is compared with dead reckoning so often, s, in windows of 1, 2, 4 … 128 times as long; 0.2 to 1.
-    pub reckoned: f64,
-    /// The usual error of a window is a mean over this time, s; some dozen times the longest window.
-    pub reckoned_memory: f64,
-    /// The mean error of dead reckoning is followed with this time constant, s; 60 to 300. While oil warmed, it went from 0.7
-    /// to −1 mm/s in 25 minutes.
-    pub reckoned_bias: f64,
-    /// Without a drive the model goes alone; its pressure has a time constant of 10 s by Table 4-1, and is used after so long, s.
-    pub reckoned_settling: f64,
-    /// A window is judged once as many of its length were learnt, and a mean square of n counts as 1 + doubt/n of it. With 2 and
-    /// 4 a sound transducer was named in 1 of 240 minutes: of two samples the deviation may come out a tenth. Of eight, 12
-    /// times the deviation is exceeded in two of a million cases (Student).
-    pub reckoned_trials: f64,
-    pub reckoned_doubt: f64,
-    /// An error of as many deviations is a fault; 6 or more. Healthy machines came to 4.4, and to 5.8 while a pump failed.
-    pub reckoned_deviations: f64,
-    /// Part of the difference at which the machine trips, below which nothing is a fault; 0.1 to 0.5. A rod that was at rest has
-    /// hardly any usual error.
-    pub reckoned_least: f64,
 }
 
 impl VerdictParameters {
@@ -87,16 +62,6 @@ impl VerdictParameters {
         lasting: 3,
         stays: 0.5,
         shared: 0.5,
-        last_noise: 22,
-        confirmed: 0.3,
-        reckoned: 0.5,
-        reckoned_memory: 1800.0,
-        reckoned_bias: 120.0,
-        reckoned_settling: 40.0,
-        reckoned_trials: 8.0,
-        reckoned_doubt: 16.0,
-        reckoned_deviations: 7.0,
-        reckoned_least: 0.2,
     };
 
     /// [`Self::lasting`] of a cylinder that `has_sequential` detector; without one a threshold counts at once.

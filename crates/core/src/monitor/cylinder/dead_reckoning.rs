@@ -11,6 +11,7 @@
 
 mod course;
 mod free_model;
+mod parameters;
 
 use super::last::{SharedDeparture, common};
 use super::{Cycle, Cylinder, CylinderDesign, TRANSDUCERS};
@@ -19,9 +20,9 @@ use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
 use crate::state::state;
 use crate::time;
-use crate::verdict::VerdictParameters;
 use course::ReckonedCourse;
 use free_model::FreeModel;
+pub use parameters::ReckoningParameters;
 
 /// What gives the rod's way, the best one first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +80,7 @@ pub enum Compared {
 /// Dead reckoning of one cylinder.
 #[derive(Clone, Debug)]
 pub struct DeadReckoning {
-    parameters: &'static VerdictParameters,
+    parameters: &'static ReckoningParameters,
     source: WaySource,
     /// Sample time, s.
     sample_time: f64,
@@ -127,26 +128,26 @@ impl DeadReckoning {
     /// Where anything gives the rod's way.
     pub fn of(design: &CylinderDesign) -> Option<Self> {
         let source = WaySource::of(design)?;
-        let (parameters, sample_time) = (design.bank.parameters, design.bank.sample_time);
-        let least = parameters.reckoned_least * design.critical;
+        let (parameters, sample_time) = (design.reckoning, design.bank.sample_time);
+        let least = parameters.least * design.critical;
         Some(Self::new(parameters, source, sample_time, least))
     }
 
     fn new(
-        parameters: &'static VerdictParameters,
+        parameters: &'static ReckoningParameters,
         source: WaySource,
         sample_time: f64,
         least: f64,
     ) -> Self {
-        let settling = time::cycles(parameters.reckoned_settling, sample_time);
+        let settling = time::cycles(parameters.settling, sample_time);
         Self {
             parameters,
             source,
             sample_time,
             least,
-            tick: time::cycles(parameters.reckoned, sample_time).max(1),
-            memory: time::cycles(parameters.reckoned_memory, parameters.reckoned),
-            bias_memory: time::cycles(parameters.reckoned_bias, parameters.reckoned),
+            tick: time::cycles(parameters.interval, sample_time).max(1),
+            memory: time::cycles(parameters.memory, parameters.interval),
+            bias_memory: time::cycles(parameters.bias, parameters.interval),
             settling,
             model: FreeModel::new(settling),
             courses: [ReckonedCourse::NONE; 2],
@@ -258,7 +259,7 @@ impl DeadReckoning {
             beyond[side] |= u8::from(is_beyond) << window;
             // A wild reading at a tick is beyond it once in each direction.
             if is_beyond && self.courses[of[0]].beyond[side] & beyond[side] != 0 {
-                let seconds = self.parameters.reckoned * f64::from(ticks as u32);
+                let seconds = self.parameters.interval * f64::from(ticks as u32);
                 found = Some(CourseError { error, limit, seconds });
             }
         }
@@ -276,12 +277,12 @@ impl DeadReckoning {
     fn limit(&self, window: usize, gone: f64) -> Option<f64> {
         let (p, ticks) = (self.parameters, f64::from(1_u32 << window));
         let trials = f64::from(self.usual[window].count());
-        if trials < p.reckoned_trials {
+        if trials < p.trials {
             return None;
         }
-        let variance = self.usual[window].value() * (1.0 + p.reckoned_doubt / trials);
+        let variance = self.usual[window].value() * (1.0 + p.doubt / trials);
         let pace = (gone / (ticks * self.pace.value())).max(1.0);
-        Some((p.reckoned_deviations * pace * libm::sqrt(variance)).max(self.least))
+        Some((p.deviations * pace * libm::sqrt(variance)).max(self.least))
     }
 
     fn push(&mut self) {

@@ -1,5 +1,7 @@
 //! What the monitor of a cylinder is made from.
 
+use super::dead_reckoning::ReckoningParameters;
+use super::last::LastParameters;
 use crate::alarm::{Deadlines, Levels};
 use crate::compare::Comparator;
 use crate::estimate;
@@ -22,8 +24,8 @@ pub struct CylinderDesign {
     pub number: u8,
     /// Fields that a complete cycle has, by [`crate::sample::Field::bit`].
     pub required: u16,
-    /// Fields for which a cycle is held open until its deadline: the required ones, and pressures
-    /// where they are read, which never make a cycle incomplete.
+    /// Fields for which a cycle is held open until its deadline: the required ones, and pressures and the spool where they are
+    /// read and come often enough, which never make a cycle incomplete. See [`crate::sample::Awaited`].
     pub awaited: u16,
     /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
     pub limits: [PlausibilityLimits; 2],
@@ -47,6 +49,9 @@ pub struct CylinderDesign {
     pub observes: bool,
     /// Whether FDE3 judges by its threshold.
     pub compares: bool,
+    /// What the last transducer, and a departure from dead reckoning, are judged by.
+    pub last: &'static LastParameters,
+    pub reckoning: &'static ReckoningParameters,
     /// Sequential detector; `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
     /// Process detector; `None` where nothing of it is configured.

@@ -10,10 +10,11 @@
 
 mod departing;
 mod displacement;
+mod parameters;
 mod stop;
 mod usual;
 
-use super::{Cycle, Cylinder, TRANSDUCERS};
+use super::{Cycle, Cylinder, CylinderDesign, TRANSDUCERS};
 use crate::alarm::Finding;
 use crate::alarm::detector::WarningPlace;
 use crate::sample::plausibility::NOWHERE;
@@ -21,7 +22,8 @@ use crate::sample::{Quality, Transducer};
 use crate::state::whole;
 use crate::verdict::{Fault, Suspect, Verdict};
 pub(super) use departing::{SharedDeparture, common};
-use displacement::{CONFIRMED, Latch, Limits, Watched};
+use displacement::{Latch, Limits, Watched};
+pub use parameters::LastParameters;
 use stop::Rest;
 use usual::{MotionRange, UsualMotion};
 
@@ -135,12 +137,14 @@ impl LastOne {
         (self.together, self.are_raised) = (Watched::default(), false);
     }
 
-    /// Takes an innovation of transducer `i` while it was not the last one, m, as no more than `most`, for so many `cycles`.
+    /// Takes an innovation of transducer `i` while it was not the last one, m, for so many `cycles`.
     #[inline]
-    fn measure(&mut self, i: usize, residual: Option<f64>, most: f64, cycles: u32) {
+    fn measure(&mut self, i: usize, residual: Option<f64>, cycles: u32, design: &CylinderDesign) {
         let Some(residual) = residual else { return };
+        let most = design.last.counted * design.bank.observer.high;
         let (counted, power) = (residual.abs().min(most), &mut self.of[i].power);
-        *power += f64::from(cycles) * FADING * (counted * counted - *power);
+        let share = f64::from(cycles) * design.bank.sample_time / design.last.memory;
+        *power += share * (counted * counted - *power);
     }
 
     /// Ends the latches, because there is evidence that the readings are right.
@@ -169,9 +173,10 @@ impl Cylinder {
     fn follow_usual(&mut self, cycle: &Cycle) {
         let Some(reading) = cycle.good[0].or(cycle.good[1]) else { return };
         self.last.usual.extend(reading.position, cycle.command);
-        if self.last.usual.calm.is_multiple_of(EVERY) {
-            let most = MOST * self.design.bank.observer.high;
-            (0..2).for_each(|i| self.last.measure(i, cycle.residuals.r[i], most, EVERY));
+        if self.last.usual.calm.is_multiple_of(COUNTED_CYCLES) {
+            for (i, residual) in [0, 1].map(|i| (i, cycle.residuals.r[i])) {
+                self.last.measure(i, residual, COUNTED_CYCLES, &self.design);
+            }
         }
     }
 
@@ -186,10 +191,9 @@ impl Cylinder {
             self.judge_jump(cycle);
             self.doubt_last(cycle);
             self.try_motion(cycle);
-            let most = MOST * self.design.bank.observer.high;
             let beside = [0, 1].map(|i| !self.is_last(i));
             for i in (0..2).filter(|i| beside[*i]) {
-                self.last.measure(i, cycle.residuals.r[i], most, 1);
+                self.last.measure(i, cycle.residuals.r[i], 1, &self.design);
             }
         } else if cycle.good.iter().any(Option::is_some) {
             self.last.forget();
@@ -251,11 +255,12 @@ impl Cylinder {
             && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
         let high = self.design.bank.observer.high;
         // On a machine that the model fits badly a threshold alone is no evidence.
-        let usual = WELL_ABOVE * libm::sqrt(self.last.of[i].power);
+        let usual = self.design.last.well_above * libm::sqrt(self.last.of[i].power);
         let limits = Limits { least: high.max(usual), ..Limits::of(&self.design, i) };
         let is_apart = !self.readings.is_implausible(1 - i) && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
-        let exceeds = residual.is_some_and(|it| it.abs() > high.max(NAMED * usual));
+        let exceeds =
+            residual.is_some_and(|it| it.abs() > high.max(self.design.last.named * usual));
         watched.is_named = found.is_some() && (watched.is_named || is_evidence && exceeds);
         // The cycle after a displacement is judged by what is left of it, whatever the controller makes of it.
         if !is_evidence && watched.tried.is_none() {
@@ -305,7 +310,7 @@ impl Cylinder {
         let usual = &mut self.last.usual;
         let motion = usual.motion(length.unwrap_or_default(), cycle.command);
         let motion = MotionRange { been: length.map_or(NOWHERE, |it| [it; 2]), ..motion };
-        usual.try_out(&motion, is_elsewhere, is_quiet, settle);
+        usual.try_out(&motion, is_elsewhere, is_quiet, settle, self.design.last);
     }
 
     /// Whether C1 − C2, where it is still known, has jumped as the innovation of transducer `i` says: an error of the model
@@ -313,7 +318,7 @@ impl Cylinder {
     fn is_seen_by_difference(&self, i: usize, cycle: &Cycle) -> bool {
         let jump = cycle.residuals.r[2].zip(self.last.difference).map(|(now, before)| now - before);
         let own = cycle.residuals.r[i].unwrap_or_default();
-        jump.is_none_or(|jump| jump.abs() >= CONFIRMED * own.abs())
+        jump.is_none_or(|jump| jump.abs() >= self.design.last.stays * own.abs())
     }
 
     /// The only transducer that is left, if it is not latched.
@@ -339,17 +344,5 @@ impl Cylinder {
     }
 }
 
-/// So many standard deviations of the innovations in health are well above them.
-const WELL_ABOVE: f64 = 8.0;
-
-/// Part of that from which on the transducer is named, although the displacement is not yet latched.
-const NAMED: f64 = 0.8;
-
-/// Share of the newest innovation in their mean square: a minute at 50 Hz.
-const FADING: f64 = 1.0 / 3000.0;
-
 /// While nothing is found one innovation in so many counts, for as many: nearly as good, and cheaper.
-const EVERY: u32 = 4;
-
-/// An innovation counts in it as no more than this many δ_h: a fault is not what is usual.
-const MOST: f64 = 4.0;
+const COUNTED_CYCLES: u32 = 4;

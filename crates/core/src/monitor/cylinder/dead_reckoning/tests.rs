@@ -3,7 +3,7 @@
 use super::*;
 use crate::observe::observer::ObserverDesign;
 
-static PARAMETERS: VerdictParameters = VerdictParameters::DEFAULT;
+static PARAMETERS: ReckoningParameters = ReckoningParameters::DEFAULT;
 
 impl DeadReckoning {
     /// Takes a cycle.

@@ -1,6 +1,6 @@
 //! Departures from dead reckoning: of the last transducer, or of both alike.
 
-use super::displacement::{CONFIRMED, Latch, Limits, Watched};
+use super::displacement::{Latch, Limits, Watched};
 use crate::alarm::{Evidence, Finding};
 use crate::blame::{Accuser, Blamed, Rule};
 use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError};
@@ -79,6 +79,7 @@ impl Cylinder {
             last.together = Watched::default();
             return;
         }
+        let stays = self.design.last.stays;
         let limits = Limits { noise: u32::MAX, ..Limits::of(&self.design, 0) };
         let was_tried = last.together.tried.is_some();
         let confirmed = last.together.confirm(innovation, &limits);
@@ -86,7 +87,7 @@ impl Cylinder {
             let [c1, c2] = cycle.lengths();
             let error = c1.zip(c2).and_then(|(c1, c2)| reckoning.error_of([c1, c2]));
             last.jump = error.filter(|(off, limit)| {
-                off.abs() > *limit && (CONFIRMED..1.0 / CONFIRMED).contains(&(off / jump.first))
+                off.abs() > *limit && (stays..1.0 / stays).contains(&(off / jump.first))
             });
         }
         let Some(jump) = confirmed else { return };
@@ -98,9 +99,7 @@ impl Cylinder {
             }
             (Some(shared), Some((off, limit))) => shared.and(off, limit),
             // Back by as much, where the way is not known just then.
-            (Some(shared), None) if jump / shared.off < -CONFIRMED => {
-                shared.and(jump, shared.limit)
-            }
+            (Some(shared), None) if jump / shared.off < -stays => shared.and(jump, shared.limit),
             (_, None) => return,
         };
         // Or it would be found once more.
@@ -167,7 +166,7 @@ impl Cylinder {
 
     /// As improbable as a Gaussian error of so many deviations.
     fn departure_evidence(&self, [error, limit]: [f64; 2], onset: Timestamp) -> Evidence {
-        let deviations = self.design.bank.parameters.reckoned_deviations * error / limit;
+        let deviations = self.design.reckoning.deviations * error / limit;
         Evidence {
             fault: 0.5 * deviations * deviations,
             location: None,

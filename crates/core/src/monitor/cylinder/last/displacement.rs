@@ -1,5 +1,6 @@
 //! From innovations of the last transducer to a displacement of it.
 
+use super::parameters::LastParameters;
 use crate::monitor::cylinder::CylinderDesign;
 use crate::state::whole;
 use crate::time::{self, Timestamp};
@@ -63,27 +64,26 @@ pub struct Limits {
     pub aftermath: u32,
     /// Innovations after the first that confirm a displacement.
     pub confirm: u32,
+    /// See [`LastParameters::stays`] and [`LastParameters::returned`].
+    pub stays: f64,
+    pub returned: f64,
 }
 
 impl Limits {
     /// Those of transducer `i`.
     pub fn of(design: &CylinderDesign, i: usize) -> Self {
-        let (parameters, observer) = (design.bank.parameters, &design.observers[i]);
+        let (parameters, observer): (&LastParameters, _) = (design.last, &design.observers[i]);
         Self {
             least: design.bank.observer.high,
-            noise: parameters.last_noise,
+            noise: parameters.noise,
             gain: observer.l[(0, 0)],
             aftermath: 2 * observer.recovery(),
+            stays: parameters.stays,
+            returned: parameters.returned,
             confirm: time::samples(parameters.confirmed, design.bank.sample_time),
         }
     }
 }
-
-/// Part of a displacement that has to be there in the next cycle, too.
-pub const CONFIRMED: f64 = 0.5;
-
-/// Part of a displacement that an innovation against it takes back; that of an observer which overshoots comes at once.
-const RETURNED: f64 = 0.6;
 
 impl Watched {
     /// Takes an innovation of the last transducer, m. Returns a displacement that is confirmed.
@@ -101,7 +101,8 @@ impl Watched {
         self.beyond = self.beyond << 1 | u64::from(is_beyond);
         if let Some(Tried { first, age }) = before {
             let part = residual / first;
-            let stays = if age == 0 { part + limits.gain > CONFIRMED } else { part > -RETURNED };
+            let stays =
+                if age == 0 { part + limits.gain > limits.stays } else { part > -limits.returned };
             if stays && age + 1 >= limits.confirm {
                 return Some(first);
             }

@@ -1,22 +1,9 @@
 //! The motion of the rod in which its observers were quiet. In another one they are no evidence.
 
+use super::parameters::LastParameters;
 use super::{Cycle, Cylinder};
 use crate::sample::plausibility::NOWHERE;
 use crate::state::whole;
-
-/// A rod that moves so far beyond where it has been, m, is not on a stop, and by half of the way that it has been, unless
-/// it comes near an end of its stroke: each high wave goes further than the one before.
-const NEAR: f64 = 0.1;
-
-/// Part of the stroke at either end in which a stop may hold the rod.
-const STOP: f64 = 0.1;
-
-/// A command is another motion from so many times the largest usual one on: in a sea the largest one so far is exceeded
-/// again and again.
-const FURTHER: f64 = 1.5;
-
-/// So many times what an observer takes to settle without a finding make known where the rod moves.
-const KNOWN: u32 = 10;
 
 /// A range of motion: lengths and commands.
 #[derive(Clone, Copy, Debug)]
@@ -49,9 +36,9 @@ impl MotionRange {
         }
     }
 
-    /// Whether it has a command that is far beyond this range.
-    pub fn exceeds(&self, range: &Self) -> bool {
-        self.command > FURTHER * range.command || self.change > FURTHER * range.change
+    /// Whether it has a command of more than `further` times those of `range`.
+    pub fn exceeds(&self, range: &Self, further: f64) -> bool {
+        self.command > further * range.command || self.change > further * range.change
     }
 }
 
@@ -96,8 +83,9 @@ impl UsualMotion {
         is_elsewhere: bool,
         is_quiet: bool,
         settle: u32,
+        parameters: &LastParameters,
     ) {
-        let is_new = self.calm < KNOWN.saturating_mul(settle);
+        let is_new = self.calm < parameters.known.saturating_mul(settle);
         if !is_quiet {
             self.tried = MotionRange::NONE;
         } else if self.unusual == 1 {
@@ -106,7 +94,7 @@ impl UsualMotion {
             self.range.include(&MotionRange { been, ..self.tried });
             self.tried = MotionRange::NONE;
         }
-        let is_unusual = is_elsewhere || motion.exceeds(&self.range);
+        let is_unusual = is_elsewhere || motion.exceeds(&self.range, parameters.further);
         if is_quiet {
             self.tried.include(motion);
         }
@@ -124,9 +112,10 @@ impl Cylinder {
     /// reading.
     pub(super) fn is_elsewhere(&self, cycle: &Cycle) -> bool {
         let [lowest, highest] = self.last.been();
-        let (half, [least, most]) = (0.5 * (highest - lowest), self.inner_stroke());
-        let lowest = (lowest - half).max(least).min(lowest - NEAR);
-        let highest = (highest + half).min(most).max(highest + NEAR);
+        let (half, near) = (0.5 * (highest - lowest), self.design.last.near);
+        let [least, most] = self.inner_stroke();
+        let lowest = (lowest - half).max(least).min(lowest - near);
+        let highest = (highest + half).min(most).max(highest + near);
         let is_beyond = |i: usize| {
             let innovation = cycle.residuals.r[i].unwrap_or_default();
             let expected = cycle.good[i].map(|it| it.position - innovation);
@@ -142,7 +131,7 @@ impl Cylinder {
     /// The stroke without its ends, where a stop may hold the rod, m.
     fn inner_stroke(&self) -> [f64; 2] {
         let (least, most) = self.design.limits[0].lengths;
-        let end = STOP * (most - least);
+        let end = self.design.last.stop * (most - least);
         [least + end, most - end]
     }
 

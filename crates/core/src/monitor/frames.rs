@@ -1,15 +1,24 @@
-//! Admission of frames: those of the open cycle, once each, and those that were kept for it.
+//! The way of a frame: to the open cycle, once, or kept for its own; then its signals to the inputs of the cylinders, to the
+//! platform's state and to the attitudes. What devices send by themselves is taken aside: readings by a timer of their own,
+//! emergency messages and heartbeats.
 
 use super::cylinder::Cylinder;
-use super::page::{Page, Station, StationKind};
+use super::page::{Destination, Page, Station, StationKind};
 use super::sink::{Notice, Sink};
-use super::{Monitor, Place};
+use super::subscriptions::DeviceService;
+use super::{Monitor, Place, machine};
+use crate::decode::Decoded;
 use crate::frame::Frame;
 use crate::sample::cycle::{Opener, When};
+use crate::sample::device::DeviceState;
 use crate::sample::dispute::Doubt;
+use crate::sample::emergency::Emergency;
 use crate::sample::fate::Fate;
-use crate::sample::{Inputs, Transducer};
+use crate::sample::{Field, Inputs, Pressure, Transducer};
 use crate::time::Timestamp;
+
+/// What all cylinders share.
+const SUPPLY: Field = Field::Pressure(Pressure::Supply);
 
 impl Monitor {
     /// Takes a Sync with the time stamp `stamp`.
@@ -326,4 +335,145 @@ impl Monitor {
             }
         }
     }
+
+    /// Decodes the signals of a page into their places, and evaluates the cylinders that are now
+    /// complete.
+    pub(super) fn fill(
+        &mut self,
+        page: Place,
+        now: Timestamp,
+        frame: &Frame,
+        sink: &mut impl Sink,
+    ) {
+        let intake = self.stations[page.0].pages[page.1].intake.as_ref();
+        let mut touched = match intake.and_then(|intake| Some((intake, intake.word(frame)?))) {
+            Some((intake, word)) => {
+                let index = intake.cylinder();
+                intake.fill(word, &mut self.cylinders[index].inputs);
+                1 << index
+            }
+            None => self.fill_each(page, now, frame),
+        };
+        while touched != 0 {
+            let index = touched.trailing_zeros() as usize;
+            touched &= touched - 1;
+            if self.cylinders[index].pending && self.cylinders[index].is_done() {
+                self.evaluate(index, now, sink);
+            }
+        }
+    }
+
+    /// Decodes one signal of a page after the other; returns a bit for each cylinder that took one.
+    #[inline]
+    fn fill_each(&mut self, page: Place, now: Timestamp, frame: &Frame) -> u8 {
+        let Self { stations, cylinders, gate, tilt, counts, .. } = self;
+        let page = &stations[page.0].pages[page.1];
+        let mut touched = 0;
+        for signal in &page.signals {
+            let value = match signal.plan.decode(frame) {
+                Decoded::Value(value) => value,
+                Decoded::Absent => continue,
+                Decoded::Short => {
+                    counts.bad_signals += signal.destination.count();
+                    continue;
+                }
+            };
+            match signal.destination {
+                Destination::State => match value.raw.number() {
+                    Some(state) => gate.state(now, state),
+                    None => counts.bad_signals += 1,
+                },
+                Destination::Inclination(which) => {
+                    counts.bad_signals += machine::put_angle(tilt.as_deref_mut(), which, value);
+                }
+                Destination::Cylinders(bits, SUPPLY) if value.physical.is_finite() => {
+                    touched |= bits;
+                    for cylinder in of_bits(cylinders, bits) {
+                        cylinder.inputs.supply(value.physical);
+                    }
+                }
+                Destination::Cylinders(bits, field) => {
+                    touched |= bits;
+                    for cylinder in of_bits(cylinders, bits) {
+                        counts.bad_signals += u64::from(!cylinder.put(field, value));
+                    }
+                }
+            }
+        }
+        touched
+    }
+
+    /// Takes a frame at `place` that a device has sent by itself; returns whether it was one. A reading waits
+    /// for the next Sync. An error of a device is warned of at once; all else has its effect in the next
+    /// cycle, so that no flood of frames is one of warnings or notices.
+    pub(super) fn hear(
+        &mut self,
+        place: usize,
+        now: Timestamp,
+        frame: &Frame,
+        sink: &mut impl Sink,
+    ) -> bool {
+        let service = match &mut self.stations[place].kind {
+            StationKind::Usual | StationKind::Sync => return false,
+            StationKind::Timed(newest) => {
+                self.heard.insert(frame.bus);
+                newest.keep(frame);
+                return true;
+            }
+            StationKind::Service(service) => service,
+        };
+        match service.service {
+            DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
+                Some(state) => {
+                    for (index, role) in &service.devices {
+                        self.cylinders[usize::from(*index)].readings.hear_heartbeat(*role, state);
+                    }
+                }
+                None => self.counts.bad_signals += 1,
+            },
+            DeviceService::Emergency => match Emergency::read(frame.data()) {
+                Some(emergency) => self.hear_emergency(place, now, emergency, sink),
+                None => self.counts.bad_signals += 1,
+            },
+        }
+        true
+    }
+
+    fn hear_emergency(
+        &mut self,
+        place: usize,
+        now: Timestamp,
+        emergency: Emergency,
+        sink: &mut impl Sink,
+    ) {
+        let mut next = 0;
+        while let StationKind::Service(service) = &self.stations[place].kind
+            && let Some(&(index, role)) = service.devices.get(next)
+        {
+            next += 1;
+            let index = usize::from(index);
+            if self.cylinders[index].readings.hear_emergency(role, now, emergency) {
+                self.warn(index, now, sink);
+            }
+        }
+    }
+
+    /// Tells what the devices of the cylinder of `index` have said that is no fault.
+    #[inline(always)]
+    pub(super) fn tell_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        if !self.cylinders[index].readings.has_devices() {
+            return;
+        }
+        let cylinder = index as u8 + 1;
+        self.cylinders[index].readings.take_news(|role, node, news| {
+            sink.notice(&Notice::Device { at, cylinder, role, node, news });
+        });
+    }
+}
+
+/// The cylinders that have a bit in `bits`.
+#[inline]
+fn of_bits(cylinders: &mut [Cylinder], bits: u8) -> impl Iterator<Item = &mut Cylinder> {
+    let has = move |(index, _): &(usize, &mut Cylinder)| bits >> index & 1 != 0;
+    cylinders.iter_mut().enumerate().filter(has).map(|(_, cylinder)| cylinder)
 }
