@@ -78,7 +78,7 @@ impl Register {
         findings: &[Option<Finding>; PLACES],
         mut say: impl FnMut(Warning),
     ) -> bool {
-        let mut said = false;
+        let mut is_news = false;
         for (place, finding) in findings.iter().enumerate() {
             let standing = &mut self.places[index][place];
             let (state, finding) = match (&mut *standing, finding) {
@@ -106,12 +106,12 @@ impl Register {
             };
             let (cylinder, detector) = (index as u8 + 1, DETECTORS[place]);
             say(Warning { timestamp: at, cylinder, detector, place, state, finding });
-            said = true;
+            is_news = true;
         }
-        if said {
+        if is_news {
             self.reckon_due();
         }
-        said
+        is_news
     }
 
     /// Time of the next repetition.

@@ -42,9 +42,9 @@ impl Reserve {
     }
 
     /// Takes a state estimated while no transducer was blamed.
-    pub fn offer(&mut self, told: Carrier, apart: u32) {
+    pub fn offer(&mut self, carrier: Carrier, apart: u32) {
         if self.younger.is_none_or(|younger| younger.coasted >= apart) {
-            (self.older, self.younger) = (self.younger, Some(told));
+            (self.older, self.younger) = (self.younger, Some(carrier));
         }
     }
 

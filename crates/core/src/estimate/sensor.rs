@@ -170,8 +170,8 @@ impl VirtualSensor {
         self.without = if source.is_some() { 0 } else { self.without.saturating_add(1) };
         self.accommodate(input);
         let estimate = match (source, self.corrected(input)) {
-            (Some(source), _) => self.tell(input, source),
-            (None, Some((i, offset))) => Some(self.tell_corrected(input, i, offset)),
+            (Some(source), _) => self.estimate(input, source),
+            (None, Some((i, offset))) => Some(self.estimate_corrected(input, i, offset)),
             (None, None) => self.carry(input),
         };
         self.relied_on = [0, 1].map(|i| input.trusted[i] && self.filters[i].is_fresh());
@@ -205,7 +205,7 @@ impl VirtualSensor {
     }
 
     /// The estimate from the transducers of `source`.
-    fn tell(&mut self, input: &SensorInput, source: Source) -> Option<Estimate> {
+    fn estimate(&mut self, input: &SensorInput, source: Source) -> Option<Estimate> {
         let [one, other] = &self.filters;
         let usual = self.differences.value();
         let now = if input.undecided { self.largest } else { self.difference };
@@ -231,14 +231,14 @@ impl VirtualSensor {
         let variance = variance + if input.process { astray * astray } else { 0.0 };
         let follows = |i: usize| self.filters[i].evidence()[1] >= self.design.settle;
         let able = (0..2).all(|i| !used[i] || follows(i));
-        let told = Carrier { x, variance, coasted: 0, able };
+        let carrier = Carrier { x, variance, coasted: 0, able };
         if able && input.is_calm() {
             self.growth.compare(&x, self.cycles.memory);
-            self.reserve.offer(told, self.cycles.reserve);
+            self.reserve.offer(carrier, self.cycles.reserve);
         } else {
             self.growth.recall();
         }
-        self.carrier = Some(told);
+        self.carrier = Some(carrier);
         // One transducer alone is vouched for by the model only, and not while that is in doubt, or it may itself be the one
         // by which the two had differed before the other one was lost.
         let disputed = self.disputed > self.cycles.disputed;
@@ -297,7 +297,7 @@ impl VirtualSensor {
     }
 
     /// The estimate by transducer `i` less its step.
-    fn tell_corrected(&mut self, input: &SensorInput, i: usize, offset: Offset) -> Estimate {
+    fn estimate_corrected(&mut self, input: &SensorInput, i: usize, offset: Offset) -> Estimate {
         let filter = &self.filters[i];
         let mut x = *filter.state();
         x[0] -= offset.size;

@@ -80,8 +80,8 @@ impl Open {
         if self.is_of_another_kind(warning) || self.is_left_by(warning) {
             return false;
         }
-        let (said, suspect) = (warning.finding.suspect, self.incident.suspect);
-        if said == suspect || said == Suspect::Undecided {
+        let (named, suspect) = (warning.finding.suspect, self.incident.suspect);
+        if named == suspect || named == Suspect::Undecided {
             return true;
         }
         if suspect == Suspect::Undecided {

@@ -175,7 +175,7 @@ impl Incidents {
         index: usize,
         [opened, at]: [Timestamp; 2],
         quantities: &Quantities,
-        mut say: impl FnMut(&Incident),
+        mut report: impl FnMut(&Incident),
     ) -> bool {
         let Self { cylinders, shared, count, moment, .. } = self;
         let OfCylinder { open: places, timing, .. } = &mut cylinders[index];
@@ -207,10 +207,10 @@ impl Incidents {
             let begin = open.incident.begin;
             let waits = !open.is_reported() && (begin..begin.after(*moment)).contains(&at);
             if is_over || !waits {
-                open.tell(at, count, &mut say);
+                open.report_news(at, count, &mut report);
             }
             if is_over {
-                say(&open.closed(at, open.ending()));
+                report(&open.closed(at, open.ending()));
                 *place = None;
             }
         }
@@ -219,14 +219,14 @@ impl Incidents {
 
     /// Takes the end of a cycle at `at`: passes to `say` each incident of the machine that was opened, revised or closed.
     #[inline]
-    pub fn follow_machine(&mut self, at: Timestamp, say: impl FnMut(&Incident)) {
+    pub fn follow_machine(&mut self, at: Timestamp, report: impl FnMut(&Incident)) {
         if self.shares {
-            self.sum_up(at, say);
+            self.sum_up(at, report);
         }
     }
 
     #[cold]
-    fn sum_up(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
+    fn sum_up(&mut self, at: Timestamp, mut report: impl FnMut(&Incident)) {
         for cause in Cause::ALL {
             let Self { cylinders, shared, count, .. } = self;
             let place = &mut shared[cause as usize];
@@ -237,7 +237,7 @@ impl Incidents {
             });
             let Some((index, first)) = members.next() else {
                 if let Some(shared) = place.take() {
-                    say(&shared.closed(at));
+                    report(&shared.closed(at));
                 }
                 continue;
             };
@@ -249,12 +249,12 @@ impl Incidents {
             shared.take(index, first);
             members.for_each(|(index, open)| shared.take(index, open));
             if let Some(incident) = shared.news(cause, at) {
-                say(incident);
+                report(incident);
             }
             for open in self.all_open().filter(|it| it.shared == Some(cause)) {
                 // It was a cylinder's own until others showed it, too.
                 if open.reported.take().is_some() {
-                    say(&open.closed(at, Ending::Joined));
+                    report(&open.closed(at, Ending::Joined));
                 }
             }
             self.leave_alone(cause, at);
@@ -276,12 +276,13 @@ impl Incidents {
     }
 
     /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
-    pub fn finish(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
-        self.cut(at, &mut say);
+    pub fn finish(&mut self, at: Timestamp, mut report: impl FnMut(&Incident)) {
+        self.cut(at, &mut report);
         let Self { cylinders, count, .. } = self;
         let open = cylinders.iter_mut().flat_map(|it| it.open.iter_mut().flatten());
-        open.filter(|open| open.shared.is_none()).for_each(|open| open.tell(at, count, &mut say));
-        self.standing(at).for_each(|incident| say(&incident));
+        open.filter(|open| open.shared.is_none())
+            .for_each(|open| open.report_news(at, count, &mut report));
+        self.standing(at).for_each(|incident| report(&incident));
     }
 
     /// The incidents of which a warning stands, as reported at `at`.
@@ -299,7 +300,7 @@ impl Incidents {
 
     /// Closes at `at` the incidents of which no warning stands, since what follows cannot be reported to
     /// belong to them.
-    pub fn cut(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
+    pub fn cut(&mut self, at: Timestamp, mut report: impl FnMut(&Incident)) {
         let Self { cylinders, shared, count, .. } = self;
         for place in cylinders.iter_mut().flat_map(|cylinder| &mut cylinder.open) {
             if let Some(mut open) = place.take_if(|open| !open.incident.stands()) {
@@ -307,25 +308,25 @@ impl Incidents {
                 match open.shared.and_then(|cause| shared[cause as usize].as_mut()) {
                     Some(shared) => shared.release(ending),
                     None => {
-                        open.tell(at, count, &mut say);
-                        say(&open.closed(at, ending));
+                        open.report_news(at, count, &mut report);
+                        report(&open.closed(at, ending));
                     }
                 }
             }
         }
-        self.follow_machine(at, say);
+        self.follow_machine(at, report);
     }
 }
 
 impl Open {
     /// Reports it at `at`, if it says something new, with the next number if it is reported for the first time.
-    fn tell(&mut self, at: Timestamp, count: &mut u32, say: &mut impl FnMut(&Incident)) {
+    fn report_news(&mut self, at: Timestamp, count: &mut u32, report: &mut impl FnMut(&Incident)) {
         if !self.is_reported() {
             *count = count.saturating_add(1);
             self.incident.number = *count;
         }
         if let Some(incident) = self.news(at) {
-            say(incident);
+            report(incident);
         }
     }
 }

@@ -172,7 +172,7 @@ impl Monitor {
             // The counter's own tally has it.
             Fate::Jumped => self.refuse(place),
         }
-        self.tell_doubt(place, now, frame, sink);
+        self.report_doubt(place, now, frame, sink);
     }
 
     /// Leaves out a frame that is too short for what is configured of its page.
@@ -182,7 +182,7 @@ impl Monitor {
         self.counts.short += 1;
         self.stations[place.0].pages[place.1].slot.dispute.doubt(Doubt::TooShort, cycle);
         self.doubt(place);
-        self.tell_doubt(place, now, frame, sink);
+        self.report_doubt(place, now, frame, sink);
     }
 
     /// Notes that what the frames of a page carry cannot be relied on in the open cycle.
@@ -192,7 +192,7 @@ impl Monitor {
     }
 
     /// Tells that the frames of a page, of which `frame` is one, are in doubt now, or are no longer.
-    fn tell_doubt(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+    fn report_doubt(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
         let cycle = self.clock.number();
         let dispute = &mut self.stations[place.0].pages[place.1].slot.dispute;
         if !dispute.is_open(cycle) {
@@ -406,7 +406,7 @@ impl Monitor {
     /// Takes a frame at `place` that a device has sent by itself; returns whether it was one. A reading waits
     /// for the next Sync. An error of a device is warned of at once; all else has its effect in the next
     /// cycle, so that no flood of frames is one of warnings or notices.
-    pub(super) fn hear(
+    pub(super) fn take_unasked(
         &mut self,
         place: usize,
         now: Timestamp,
@@ -426,20 +426,20 @@ impl Monitor {
             DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
                 Some(state) => {
                     for (index, role) in &service.devices {
-                        self.cylinders[usize::from(*index)].readings.hear_heartbeat(*role, state);
+                        self.cylinders[usize::from(*index)].readings.take_heartbeat(*role, state);
                     }
                 }
                 None => self.counts.bad_signals += 1,
             },
             DeviceService::Emergency => match Emergency::read(frame.data()) {
-                Some(emergency) => self.hear_emergency(place, now, emergency, sink),
+                Some(emergency) => self.take_emergency(place, now, emergency, sink),
                 None => self.counts.bad_signals += 1,
             },
         }
         true
     }
 
-    fn hear_emergency(
+    fn take_emergency(
         &mut self,
         place: usize,
         now: Timestamp,
@@ -452,15 +452,15 @@ impl Monitor {
         {
             next += 1;
             let index = usize::from(index);
-            if self.cylinders[index].readings.hear_emergency(role, now, emergency) {
+            if self.cylinders[index].readings.take_emergency(role, now, emergency) {
                 self.warn(index, now, sink);
             }
         }
     }
 
-    /// Tells what the devices of the cylinder of `index` have said that is no fault.
+    /// Reports what the devices of the cylinder of `index` have sent that is no fault.
     #[inline(always)]
-    pub(super) fn tell_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+    pub(super) fn report_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         if !self.cylinders[index].readings.has_devices() {
             return;
         }

@@ -32,13 +32,13 @@ impl Monitor {
             return;
         }
         let Self { cylinders, sampling, .. } = self;
-        let said = cylinders.iter().filter_map(Cylinder::sequential);
-        let said = said.filter_map(|(_, detector)| detector.said());
-        let (apart, told) = sampling.judge(said).unwrap_or_default();
+        let detectors = cylinders.iter().filter_map(Cylinder::sequential);
+        let evidence = detectors.filter_map(|(_, detector)| detector.sampling());
+        let (apart, change) = sampling.judge(evidence).unwrap_or_default();
         let detectors = cylinders.iter_mut().filter_map(Cylinder::sequential_mut);
         detectors.for_each(|detector| detector.allow(&apart));
         ask_others(cylinders);
-        if let Some(changed) = told {
+        if let Some(changed) = change {
             sink.notice(&Notice::Timing { at, apart: changed.then_some(apart) });
         }
     }
@@ -180,7 +180,7 @@ fn ask_others(cylinders: &mut [Cylinder]) {
         let evidence = others.filter_map(|(_, detector)| detector.evidence(&claim));
         let may_be_timing = !claim.is_contradicted(evidence);
         if let Some(detector) = cylinders[index].sequential_mut() {
-            detector.hear(may_be_timing);
+            detector.allow_timing(may_be_timing);
         }
     }
 }

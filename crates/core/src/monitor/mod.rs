@@ -227,7 +227,7 @@ impl Monitor {
     /// Takes any frame of the message at `place`.
     #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        if self.hear(place, now, frame, sink) {
+        if self.take_unasked(place, now, frame, sink) {
             return;
         }
         if self.stations[place].is_sync() {
@@ -296,7 +296,7 @@ impl Monitor {
             self.follow_supply(at);
         }
         self.follow_tilt(at);
-        self.tell_of_machine(at, sink);
+        self.report_machine(at, sink);
         self.clock.close();
         self.end_hearing(at, sink);
     }
@@ -314,7 +314,7 @@ impl Monitor {
                 self.evaluate(index, at, sink);
             }
         }
-        self.tell_of_machine(at, sink);
+        self.report_machine(at, sink);
         self.end_hearing(at, sink);
     }
 
@@ -340,16 +340,16 @@ impl Monitor {
             sink.record(&cylinder.record(&cycle));
         }
         cylinder.inputs.clear();
-        self.tell_devices(index, at, sink);
+        self.report_devices(index, at, sink);
         if self.cylinders[index].readings.has_unnamed() {
-            self.tell_status(index, at, sink);
+            self.report_status_bits(index, at, sink);
         }
         if let Some(dwell) = self.cylinders[index].take_dwell() {
             sink.dwell(number, &dwell);
             self.judge_stops(at);
         }
         if self.cylinders[index].is_busy() || self.register.any(index) {
-            self.tell(index, now, sink);
+            self.report(index, now, sink);
         }
         if let Some(estimate) = self.cylinders[index].estimated() {
             sink.estimate(now.opened, number, estimate);

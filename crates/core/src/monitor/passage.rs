@@ -171,7 +171,7 @@ impl Monitor {
 
     /// Buses that are silent while another one is heard.
     pub fn silent_buses(&self) -> Buses {
-        self.silence.as_ref().map_or(Buses::NONE, |silence| silence.told)
+        self.silence.as_ref().map_or(Buses::NONE, |silence| silence.reported)
     }
 
     /// Does everything that falls due before `now`, in the order of time.

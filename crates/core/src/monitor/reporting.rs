@@ -43,9 +43,9 @@ impl Monitor {
         }
     }
 
-    /// Passes on what there is to tell of the cylinder of `index` in a cycle.
+    /// Passes on what is new of the cylinder of `index` in a cycle.
     #[cold]
-    pub(super) fn tell(&mut self, index: usize, now: Evaluation, sink: &mut impl Sink) {
+    pub(super) fn report(&mut self, index: usize, now: Evaluation, sink: &mut impl Sink) {
         if self.cylinders[index].has_findings() || self.register.any(index) {
             self.warn(index, now.at, sink);
         }
@@ -54,11 +54,11 @@ impl Monitor {
         }
     }
 
-    /// Passes on what the detectors of the cylinder of `index` say.
+    /// Passes on what the detectors of the cylinder of `index` have found.
     pub(super) fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let findings = self.cylinders[index].findings();
         let Self { register, incidents, encoder, .. } = self;
-        let said = register.update(at, index, &findings, |warning| {
+        let is_news = register.update(at, index, &findings, |warning| {
             incidents.take(&warning);
             let raised = warning.state != State::Cleared;
             sink.warning(&warning);
@@ -66,7 +66,7 @@ impl Monitor {
                 encoder.warning(at, warning.cylinder, warning.detector, &warning.finding, raised);
             sink.transmit(&frame);
         });
-        if said {
+        if is_news {
             self.cylinders[index].is_watched = true;
             self.reckon_due();
         }
@@ -82,7 +82,7 @@ impl Monitor {
 
     /// Passes on what became of the incidents of the machine in a cycle that ends at `at`.
     #[inline]
-    pub(super) fn tell_of_machine(&mut self, at: Timestamp, sink: &mut impl Sink) {
+    pub(super) fn report_machine(&mut self, at: Timestamp, sink: &mut impl Sink) {
         self.incidents.follow_machine(at, |it| sink.incident(it));
     }
 
@@ -106,9 +106,9 @@ impl Monitor {
         self.encoder.status(at, &status)
     }
 
-    /// Tells of bits that the status of a transducer of the cylinder of `index` has, and that mean nothing here.
+    /// Reports bits that the status of a transducer of the cylinder of `index` has, and that mean nothing here.
     #[cold]
-    pub(super) fn tell_status(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+    pub(super) fn report_status_bits(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let cylinder = index as u8 + 1;
         for (transducer, bits) in self.cylinders[index].readings.take_unnamed() {
             self.counts.unnamed_status_bits += u64::from(bits.count_ones());

@@ -9,16 +9,16 @@ use crate::state::state;
 pub(super) struct Silence {
     /// Buses with messages that belong to cycles.
     expected: Buses,
-    /// Cycles after which silence is told.
+    /// Cycles after which silence is reported.
     patience: u64,
     /// Cycles since each bus was heard last, in which another one was.
     cycles: [u64; BusNumber::ALL.len()],
-    /// Buses of which it was told that they are silent.
-    pub told: Buses,
+    /// Buses of which it was reported that they are silent.
+    pub reported: Buses,
 }
 
 state! {
-    Silence { cycles, told }
+    Silence { cycles, reported }
     but { expected, patience }
 }
 
@@ -31,13 +31,13 @@ impl Silence {
             expected,
             patience: design.gap_cycles,
             cycles: Default::default(),
-            told: Buses::NONE,
+            reported: Buses::NONE,
         })
     }
 
-    /// Takes the buses that were `heard` in a cycle, and passes to `tell` those that fell silent (`true`) or are heard
+    /// Takes the buses that were `heard` in a cycle, and passes to `report` those that fell silent (`true`) or are heard
     /// again.
-    pub fn follow(&mut self, heard: Buses, mut tell: impl FnMut(BusNumber, bool)) {
+    pub fn follow(&mut self, heard: Buses, mut report: impl FnMut(BusNumber, bool)) {
         if heard.is_empty() {
             return;
         }
@@ -45,13 +45,13 @@ impl Silence {
             let cycles = &mut self.cycles[bus.index()];
             *cycles = if heard.has(bus) { 0 } else { cycles.saturating_add(1) };
             let silent = *cycles > self.patience;
-            if silent != self.told.has(bus) && (silent || *cycles == 0) {
+            if silent != self.reported.has(bus) && (silent || *cycles == 0) {
                 if silent {
-                    self.told.insert(bus)
+                    self.reported.insert(bus)
                 } else {
-                    self.told.remove(bus)
+                    self.reported.remove(bus)
                 }
-                tell(bus, silent);
+                report(bus, silent);
             }
         }
     }
@@ -66,40 +66,40 @@ mod tests {
 
     fn silence() -> Silence {
         let expected = [FIRST, SECOND].into_iter().collect();
-        Silence { expected, patience: 5, cycles: Default::default(), told: Buses::NONE }
+        Silence { expected, patience: 5, cycles: Default::default(), reported: Buses::NONE }
     }
 
-    /// What is told in `cycles` cycles in which `heard` are heard, with the number of the cycle, from 1.
-    fn told(
+    /// What is reported in `cycles` cycles in which `heard` are heard, with the number of the cycle, from 1.
+    fn reports(
         silence: &mut Silence,
         cycles: usize,
         heard: &[BusNumber],
     ) -> Vec<(usize, BusNumber, bool)> {
-        let mut told = Vec::new();
+        let mut reports = Vec::new();
         for cycle in 1..=cycles {
             silence.follow(heard.iter().copied().collect(), |bus, silent| {
-                told.push((cycle, bus, silent));
+                reports.push((cycle, bus, silent));
             });
         }
-        told
+        reports
     }
 
     #[test]
     fn a_bus_that_falls_silent_is_told_once_and_again_when_it_is_heard() {
         let mut silence = silence();
-        assert_eq!(told(&mut silence, 100, &[FIRST, SECOND]), []);
-        assert_eq!(told(&mut silence, 5, &[FIRST]), []);
-        assert_eq!(told(&mut silence, 1, &[FIRST, SECOND]), [], "so much may be lost");
-        assert_eq!(told(&mut silence, 100, &[FIRST]), [(6, SECOND, true)]);
-        assert_eq!(told(&mut silence, 100, &[SECOND]), [(1, SECOND, false), (6, FIRST, true)]);
+        assert_eq!(reports(&mut silence, 100, &[FIRST, SECOND]), []);
+        assert_eq!(reports(&mut silence, 5, &[FIRST]), []);
+        assert_eq!(reports(&mut silence, 1, &[FIRST, SECOND]), [], "so much may be lost");
+        assert_eq!(reports(&mut silence, 100, &[FIRST]), [(6, SECOND, true)]);
+        assert_eq!(reports(&mut silence, 100, &[SECOND]), [(1, SECOND, false), (6, FIRST, true)]);
     }
 
     #[test]
     fn silence_of_all_buses_is_nobodys() {
         let mut silence = silence();
-        assert_eq!(told(&mut silence, 100, &[]), []);
-        assert_eq!(told(&mut silence, 5, &[SECOND]), []);
-        assert_eq!(told(&mut silence, 100, &[]), []);
-        assert_eq!(told(&mut silence, 2, &[SECOND]), [(1, FIRST, true)]);
+        assert_eq!(reports(&mut silence, 100, &[]), []);
+        assert_eq!(reports(&mut silence, 5, &[SECOND]), []);
+        assert_eq!(reports(&mut silence, 100, &[]), []);
+        assert_eq!(reports(&mut silence, 2, &[SECOND]), [(1, FIRST, true)]);
     }
 }

@@ -154,7 +154,7 @@ pub struct DeviceWatch {
     fresh: bool,
     fault: Option<Emergency>,
     /// State that was told.
-    told: DeviceState,
+    reported: DeviceState,
     complaint: Option<Emergency>,
 }
 
@@ -168,7 +168,7 @@ impl DeviceWatch {
             state: DeviceState::Operational,
             fresh: false,
             fault: None,
-            told: DeviceState::Operational,
+            reported: DeviceState::Operational,
             complaint: None,
         }
     }
@@ -210,11 +210,11 @@ impl DeviceWatch {
         if live {
             self.age = self.age.map(|age| age.saturating_add(1));
         }
-        self.said()
+        self.word()
     }
 
     /// What the device says of itself now.
-    pub fn said(&self) -> DeviceWord {
+    pub fn word(&self) -> DeviceWord {
         let lost = self.design.heartbeat.zip(self.age).is_some_and(|(most, age)| age > most);
         match self.state {
             _ if self.fault.is_some() => DeviceWord::Failed,
@@ -226,7 +226,7 @@ impl DeviceWatch {
 
     /// Why the device is faulty, if it is.
     pub fn report(&self) -> Option<DeviceReport> {
-        let reason = match self.said() {
+        let reason = match self.word() {
             DeviceWord::Failed => DeviceReason::Emergency(self.fault?),
             DeviceWord::Lost => DeviceReason::HeartbeatLost,
             DeviceWord::Nothing | DeviceWord::NotOperational => return None,
@@ -241,8 +241,8 @@ impl DeviceWatch {
 
     /// What has to be told and was not yet, one at a time.
     pub fn take_news(&mut self) -> Option<DeviceNews> {
-        if self.told != self.state {
-            self.told = self.state;
+        if self.reported != self.state {
+            self.reported = self.state;
             return Some(DeviceNews::State(self.state));
         }
         self.complaint.take().map(DeviceNews::Network)
@@ -269,7 +269,7 @@ mod tests {
     }
 
     /// What it says in each of `cycles` live cycles, with readings or without.
-    fn said(watch: &mut DeviceWatch, cycles: usize, reads: bool) -> Vec<DeviceWord> {
+    fn words(watch: &mut DeviceWatch, cycles: usize, reads: bool) -> Vec<DeviceWord> {
         (0..cycles).map(|_| watch.step(true, reads)).collect()
     }
 
@@ -278,7 +278,7 @@ mod tests {
         let mut watch = watch();
         assert_eq!(watch.report(), None);
         watch.emergency(MAGNET);
-        assert_eq!(said(&mut watch, 100, true), [DeviceWord::Failed; 100]);
+        assert_eq!(words(&mut watch, 100, true), [DeviceWord::Failed; 100]);
         let report = DeviceReport { node: 3, reason: DeviceReason::Emergency(MAGNET) };
         assert_eq!(watch.report(), Some(report));
         // The newest error is told; one that is over leaves the others.
@@ -287,10 +287,10 @@ mod tests {
         watch.emergency(left);
         assert_eq!(watch.report().map(|it| it.reason), Some(DeviceReason::Emergency(left)));
         watch.emergency(OVER);
-        assert_eq!((watch.said(), watch.report()), (DeviceWord::Nothing, None));
+        assert_eq!((watch.word(), watch.report()), (DeviceWord::Nothing, None));
         watch.emergency(left);
         assert_eq!(
-            watch.said(),
+            watch.word(),
             DeviceWord::Nothing,
             "without a code nothing was said to be wrong"
         );
@@ -301,30 +301,30 @@ mod tests {
         let mut watch = watch();
         let missed = Emergency { code: 0x8130, register: 0x11, detail: [0; 5] };
         watch.emergency(missed);
-        assert_eq!((watch.said(), watch.report()), (DeviceWord::Nothing, None));
+        assert_eq!((watch.word(), watch.report()), (DeviceWord::Nothing, None));
         assert_eq!(watch.take_news(), Some(DeviceNews::Network(missed)));
         assert_eq!(watch.take_news(), None);
         watch.emergency(MAGNET);
         watch.emergency(missed);
-        assert_eq!(watch.said(), DeviceWord::Failed, "and clears nobody");
+        assert_eq!(watch.word(), DeviceWord::Failed, "and clears nobody");
     }
 
     #[test]
     fn heartbeats_that_stop_are_a_loss_and_those_that_never_came_are_none() {
         let mut never = watch();
-        assert_eq!(said(&mut never, 100, false), [DeviceWord::Nothing; 100]);
+        assert_eq!(words(&mut never, 100, false), [DeviceWord::Nothing; 100]);
         let mut watch = watch();
         watch.heartbeat(DeviceState::Operational);
-        assert_eq!(said(&mut watch, 5, true), [DeviceWord::Nothing; 5]);
+        assert_eq!(words(&mut watch, 5, true), [DeviceWord::Nothing; 5]);
         for _ in 0..100 {
             assert_eq!(watch.step(false, true), DeviceWord::Nothing, "in silence nothing ages");
         }
         assert_eq!(watch.step(true, true), DeviceWord::Lost, "readings do not stand in for it");
         assert_eq!(watch.report().map(|it| it.reason), Some(DeviceReason::HeartbeatLost));
         watch.interrupt();
-        assert_eq!(said(&mut watch, 6, true)[4..], [DeviceWord::Nothing, DeviceWord::Lost]);
+        assert_eq!(words(&mut watch, 6, true)[4..], [DeviceWord::Nothing, DeviceWord::Lost]);
         watch.heartbeat(DeviceState::Operational);
-        assert_eq!(watch.said(), DeviceWord::Nothing);
+        assert_eq!(watch.word(), DeviceWord::Nothing);
     }
 
     #[test]
@@ -332,7 +332,7 @@ mod tests {
         let design = DeviceDesign { heartbeat: None, ..DESIGN };
         let mut watch = DeviceWatch::new(design, DeviceRole::C1);
         watch.heartbeat(DeviceState::Operational);
-        assert_eq!(said(&mut watch, 1000, true), [DeviceWord::Nothing; 1000]);
+        assert_eq!(words(&mut watch, 1000, true), [DeviceWord::Nothing; 1000]);
     }
 
     #[test]
@@ -352,14 +352,14 @@ mod tests {
             assert_eq!(watch.take_news(), Some(State(state)));
             assert_eq!((watch.take_news(), watch.report()), (None, None));
         }
-        assert_eq!(said(&mut watch, 2, false), [DeviceWord::NotOperational; 2]);
+        assert_eq!(words(&mut watch, 2, false), [DeviceWord::NotOperational; 2]);
         assert_eq!(
             watch.step(true, true),
             DeviceWord::Nothing,
             "it was started between heartbeats"
         );
         assert_eq!(watch.take_news(), Some(State(Operational)));
-        assert_eq!(said(&mut watch, 2, false), [DeviceWord::Nothing, DeviceWord::Lost]);
+        assert_eq!(words(&mut watch, 2, false), [DeviceWord::Nothing, DeviceWord::Lost]);
     }
 
     #[test]
@@ -367,7 +367,7 @@ mod tests {
         let mut watch = watch();
         watch.emergency(MAGNET);
         watch.heartbeat(DeviceState::Initialising);
-        assert_eq!(said(&mut watch, 100, false), [DeviceWord::NotOperational; 100]);
+        assert_eq!(words(&mut watch, 100, false), [DeviceWord::NotOperational; 100]);
         // A valve without heartbeats would never be said to be operational.
         let mut valve = DeviceWatch::new(DESIGN, DeviceRole::Valve);
         valve.heartbeat(DeviceState::Initialising);
@@ -375,7 +375,7 @@ mod tests {
         valve.heartbeat(DeviceState::Operational);
         valve.heartbeat(DeviceState::Initialising);
         assert_eq!(valve.step(true, false), DeviceWord::NotOperational);
-        assert_eq!(said(&mut valve, 5, false)[4], DeviceWord::Lost, "it owes them now");
+        assert_eq!(words(&mut valve, 5, false)[4], DeviceWord::Lost, "it owes them now");
     }
 
     #[test]

@@ -47,8 +47,8 @@ pub struct Dispute {
     usual_from: u64,
     /// First cycle that is not in doubt, for each of [`Doubt::OF_READINGS`].
     until: [u64; 3],
-    /// Whether it was told.
-    told: [bool; 3],
+    /// Whether it was reported.
+    reported: [bool; 3],
     /// Cycle of the newest frame whose counter fitted nothing.
     strange_in: u64,
     /// Number of such frames beside frames that fitted, and cycle of the newest.
@@ -59,14 +59,14 @@ pub struct Dispute {
     uncounted_in: u64,
 }
 
-whole! { Dispute { usual_from, until, told, strange_in, strange, beside_in, uncounted, uncounted_in } }
+whole! { Dispute { usual_from, until, reported, strange_in, strange, beside_in, uncounted, uncounted_in } }
 
 impl Dispute {
     /// Nothing was ever in doubt.
     pub const NONE: Self = Self {
         usual_from: 0,
         until: [0; 3],
-        told: [false; 3],
+        reported: [false; 3],
         strange_in: 0,
         strange: 0,
         beside_in: 0,
@@ -140,8 +140,8 @@ impl Dispute {
         Doubt::OF_READINGS.into_iter().find_map(|doubt| {
             let i = doubt as usize;
             let is_doubted = cycle < self.until[i];
-            let is_news = is_doubted != self.told[i];
-            self.told[i] = is_doubted;
+            let is_news = is_doubted != self.reported[i];
+            self.reported[i] = is_doubted;
             is_news.then_some((doubt, !is_doubted))
         })
     }

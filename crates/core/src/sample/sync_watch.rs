@@ -44,10 +44,10 @@ pub struct SyncWatch {
     forgotten_from: u64,
     window: Option<SyncWindow>,
     /// What was told last.
-    told: Option<Doubt>,
+    reported: Option<Doubt>,
 }
 
-whole! { SyncWatch { cycle, used, following, extra, forgotten_from, window, told } }
+whole! { SyncWatch { cycle, used, following, extra, forgotten_from, window, reported } }
 
 /// What was found of Sync.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,17 +86,17 @@ impl SyncWatch {
         let SyncWindow { begun, cycles: before, had } = *self.window.get_or_insert(fresh);
         let (has_ended, opened) = (at.since(begun) >= WINDOW, cycles.saturating_sub(before));
         let floods = self.extra >= FLOOD && cycle < self.forgotten_from;
-        let doubt = match self.told {
+        let doubt = match self.reported {
             _ if floods => Some(Doubt::Flood),
             Some(Doubt::Flood) => None,
             // A machine that is off has neither cycles nor Syncs.
-            told if !has_ended || opened == 0 => told,
+            reported if !has_ended || opened == 0 => reported,
             _ => (2 * had < opened).then_some(Doubt::Absent),
         };
         if has_ended {
             self.window = Some(fresh);
         }
-        let before = core::mem::replace(&mut self.told, doubt);
+        let before = core::mem::replace(&mut self.reported, doubt);
         let [over, begins] = [before, doubt].map(|it| it.filter(|_| before != doubt));
         SyncJudgement { over, begins, was_doubted: has_ended && doubt.is_some() }
     }

@@ -118,14 +118,14 @@ pub struct History {
     /// Cycle of this sample.
     cycle: u64,
     /// Cycle of the newest independent sample.
-    said: u64,
+    counted: u64,
     /// Cycle of the newest independent sample in motion.
     moved: u64,
 }
 
 state! {
-    History { all, few, moving, many, cycle, said, moved }
-    sound |it| it.said <= it.cycle && it.moved <= it.cycle
+    History { all, few, moving, many, cycle, counted, moved }
+    sound |it| it.counted <= it.cycle && it.moved <= it.cycle
 }
 
 impl History {
@@ -151,8 +151,8 @@ impl History {
         let square = if square < clip.square { square } else { clip.square };
         let (square, band) = (square - share * share * doubt, sample.band());
         let values = |cycles: u64| [clipped, square, band, cycles as i64 as f64];
-        self.few.push(values(self.cycle - self.said));
-        self.said = self.cycle;
+        self.few.push(values(self.cycle - self.counted));
+        self.counted = self.cycle;
         if independence == Independence::InMotion {
             self.many.push(values(self.cycle - self.moved));
             self.moved = self.cycle;
@@ -165,7 +165,7 @@ impl History {
         self.few.clear();
         self.moving.clear();
         self.many.clear();
-        (self.said, self.moved) = (self.cycle, self.cycle);
+        (self.counted, self.moved) = (self.cycle, self.cycle);
     }
 
     /// Distance of the newest few residuals from zero, m, independent or not; `None` if there are

@@ -36,7 +36,7 @@ impl Apart {
 
 /// Observation of one cylinder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Said {
+pub struct SamplingEvidence {
     /// Observations of the newest half second, and of the newest half minute
     /// ([`super::skew::Skew`]).
     pub seen: [Seen; 2],
@@ -60,38 +60,43 @@ impl Sampling {
     /// `None` where there are too few cylinders.
     pub fn judge(
         &mut self,
-        cylinders: impl Iterator<Item = Said>,
+        cylinders: impl Iterator<Item = SamplingEvidence>,
     ) -> Option<(Apart, Option<bool>)> {
-        let (mut said, mut count) = ([Said::default(); MOST], 0);
-        for (place, one) in said.iter_mut().zip(cylinders) {
+        let (mut seen_by, mut count) = ([SamplingEvidence::default(); MOST], 0);
+        for (place, one) in seen_by.iter_mut().zip(cylinders) {
             *place = one;
             count += 1;
         }
-        let said = &said[..count];
+        let seen_by = &seen_by[..count];
         if count < P.least_cylinders {
             return None;
         }
         let [fast, slow] = [0, 1].map(|which: usize| Middle {
-            mean: middle(said, |one| one.seen[which].mean),
-            square: middle(said, |one| one.seen[which].square),
+            mean: middle(seen_by, |one| one.seen[which].mean),
+            square: middle(seen_by, |one| one.seen[which].square),
         });
-        let known = middle(said, |one| one.known);
+        let known = middle(seen_by, |one| one.known);
         let mean =
             if (fast.mean - slow.mean).abs() > P.least_apart { fast.mean } else { slow.mean };
         let mean = if mean.abs() > P.least_apart { mean } else { 0.0 };
-        let told = self.tell(said, slow, known);
+        let change = self.judge_change(seen_by, slow, known);
         let limit = limit(known);
         let perhaps = !self.changed && fast.may_be_beyond(limit);
-        let changing = told == Some(true) || perhaps && surely(said, 0, limit);
+        let changing = change == Some(true) || perhaps && surely(seen_by, 0, limit);
         let spread = libm::sqrt(fast.square.max(slow.square).max(0.0));
-        Some((Apart { mean, spread, changing, changed: self.changed }, told))
+        Some((Apart { mean, spread, changing, changed: self.changed }, change))
     }
 
     /// Reports what is known for sure.
-    fn tell(&mut self, said: &[Said], slow: Middle, known: f64) -> Option<bool> {
+    fn judge_change(
+        &mut self,
+        seen_by: &[SamplingEvidence],
+        slow: Middle,
+        known: f64,
+    ) -> Option<bool> {
         let limit = limit(known);
         let moved = || {
-            let error = libm::sqrt(middle(said, |one| one.seen[1].mean_variance));
+            let error = libm::sqrt(middle(seen_by, |one| one.seen[1].mean_variance));
             slow.mean.abs() - P.sure * error > P.least_apart
         };
         let now = if self.changed {
@@ -99,7 +104,7 @@ impl Sampling {
             !over
         } else {
             slow.mean.abs() > P.least_apart && moved()
-                || slow.may_be_beyond(limit) && surely(said, 1, limit)
+                || slow.may_be_beyond(limit) && surely(seen_by, 1, limit)
         };
         (core::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
@@ -128,20 +133,20 @@ fn limit(known: f64) -> f64 {
 /// Whether the random part surely exceeds `limit`, s, by the newest half second (0) or half minute
 /// (1).
 #[cold]
-fn surely(said: &[Said], which: usize, limit: f64) -> bool {
-    let least = |one: &Said| {
+fn surely(seen_by: &[SamplingEvidence], which: usize, limit: f64) -> bool {
+    let least = |one: &SamplingEvidence| {
         let seen = one.seen[which];
         seen.square - P.sure * libm::sqrt(seen.square_variance)
     };
-    middle(said, least) > limit * limit
+    middle(seen_by, least) > limit * limit
 }
 
 /// The lower median.
-fn middle(said: &[Said], of: impl Fn(&Said) -> f64) -> f64 {
+fn middle(seen_by: &[SamplingEvidence], of: impl Fn(&SamplingEvidence) -> f64) -> f64 {
     // Integers in the order of the numbers, which are compared at once.
     let key = |bits: i64| bits ^ ((bits >> 63) as u64 >> 1) as i64;
     let mut keys = [0; MOST];
-    for (count, one) in said.iter().enumerate().take(MOST) {
+    for (count, one) in seen_by.iter().enumerate().take(MOST) {
         let one = key(of(one).to_bits() as i64);
         let mut place = count;
         while place > 0 && keys[place - 1] > one {
@@ -150,7 +155,7 @@ fn middle(said: &[Said], of: impl Fn(&Said) -> f64) -> f64 {
         }
         keys[place] = one;
     }
-    f64::from_bits(key(keys[(said.len() - 1) / 2]) as u64)
+    f64::from_bits(key(keys[(seen_by.len() - 1) / 2]) as u64)
 }
 
 #[cfg(test)]
@@ -159,40 +164,40 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    fn said(mean: f64, spread: f64) -> Said {
+    fn seen_by(mean: f64, spread: f64) -> SamplingEvidence {
         let (square, square_variance) = (spread * spread, 1e-18);
         let seen = Seen { mean, mean_variance: 1e-10, square, square_variance };
-        Said { seen: [seen; 2], known: 1e-4 }
+        SamplingEvidence { seen: [seen; 2], known: 1e-4 }
     }
 
-    fn judge(sampling: &mut Sampling, all: &[Said]) -> Option<(Apart, Option<bool>)> {
+    fn judge(sampling: &mut Sampling, all: &[SamplingEvidence]) -> Option<(Apart, Option<bool>)> {
         sampling.judge(all.iter().copied())
     }
 
     #[test]
     fn what_most_cylinders_show_is_told_once_and_when_it_is_over() {
         let mut sampling = Sampling::default();
-        let (healthy, jitter) = (said(1e-5, 1e-4), said(0.0, 5e-4));
+        let (healthy, jitter) = (seen_by(1e-5, 1e-4), seen_by(0.0, 5e-4));
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(None));
-        let (apart, told) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
-        assert_eq!((apart.mean, apart.spread, told), (0.0, 5e-4, Some(true)));
+        let (apart, change) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
+        assert_eq!((apart.mean, apart.spread, change), (0.0, 5e-4, Some(true)));
         assert!(apart.changing);
         assert!((apart.timing(2e-4) - 1.15 * 5e-4).abs() < 1e-12 && apart.timing(5e-4) == 5e-4);
-        let (apart, told) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
-        assert_eq!((apart.changing, told), (false, None), "it is known by now");
+        let (apart, change) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
+        assert_eq!((apart.changing, change), (false, None), "it is known by now");
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(Some(false)));
-        let skew = judge(&mut sampling, &[said(-3e-4, 1e-4); 6]);
-        assert_eq!(skew.map(|(apart, told)| (apart.mean, told)), Some((-3e-4, Some(true))));
+        let skew = judge(&mut sampling, &[seen_by(-3e-4, 1e-4); 6]);
+        assert_eq!(skew.map(|(apart, change)| (apart.mean, change)), Some((-3e-4, Some(true))));
     }
 
     #[test]
     fn what_may_be_chance_is_not_told() {
         for (mean, spread) in [(-3e-4, 1e-4), (3e-4, 1e-4), (0.0, 5e-4)] {
-            let sure = said(mean, spread);
+            let sure = seen_by(mean, spread);
             let vague = Seen { mean_variance: 1e-6, square_variance: 1e-12, ..sure.seen[0] };
             let mut sampling = Sampling::default();
-            let told = judge(&mut sampling, &[Said { seen: [vague; 2], ..sure }; 6]);
-            assert_eq!(told.map(|(apart, told)| (apart.changing, told)), Some((false, None)));
+            let change = judge(&mut sampling, &[SamplingEvidence { seen: [vague; 2], ..sure }; 6]);
+            assert_eq!(change.map(|(apart, change)| (apart.changing, change)), Some((false, None)));
             assert_eq!(judge(&mut sampling, &[sure; 6]).map(|it| it.1), Some(Some(true)));
         }
     }
@@ -201,21 +206,25 @@ mod tests {
     fn the_middle_is_that_of_those_in_order() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for count in 1..=MOST {
-            let said: Vec<Said> =
-                (0..count).map(|_| said(rng.random_range(-1.0..1.0), 0.0)).collect();
-            let mut means: Vec<f64> = said.iter().map(|one| one.seen[0].mean).collect();
+            let seen_by: Vec<SamplingEvidence> =
+                (0..count).map(|_| seen_by(rng.random_range(-1.0..1.0), 0.0)).collect();
+            let mut means: Vec<f64> = seen_by.iter().map(|one| one.seen[0].mean).collect();
             means.sort_unstable_by(f64::total_cmp);
-            assert_eq!(middle(&said, |one| one.seen[0].mean), means[(count - 1) / 2], "{means:?}");
+            assert_eq!(
+                middle(&seen_by, |one| one.seen[0].mean),
+                means[(count - 1) / 2],
+                "{means:?}"
+            );
         }
     }
 
     #[test]
     fn two_cylinders_of_six_are_no_majority_and_two_alone_have_none() {
-        let (healthy, off) = (said(0.0, 1e-4), said(2e-3, 2e-3));
-        let (apart, told) =
+        let (healthy, off) = (seen_by(0.0, 1e-4), seen_by(2e-3, 2e-3));
+        let (apart, change) =
             judge(&mut Sampling::default(), &[off, healthy, healthy, off, healthy, healthy])
                 .expect("they are enough");
-        assert_eq!((apart, told), (Apart { spread: 1e-4, ..Apart::default() }, None));
+        assert_eq!((apart, change), (Apart { spread: 1e-4, ..Apart::default() }, None));
         assert_eq!(judge(&mut Sampling::default(), &[off; 2]), None);
     }
 }

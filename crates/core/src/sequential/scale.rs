@@ -82,8 +82,8 @@ impl Proportion {
     }
 
     /// The gain error, where it explains clearly more than time does and enough of the stroke was
-    /// travelled; `told`: it was reported before, and only evidence against it takes it back.
-    pub fn scale(&self, told: bool) -> Option<Scale> {
+    /// travelled; `is_reported`: it was reported before, and only evidence against it takes it back.
+    pub fn scale(&self, is_reported: bool) -> Option<Scale> {
         let count = self.sums[0][0];
         let ([_, slope], by_length) = self.fit(OF_LENGTH)?;
         let (_, by_time) = self.fit(OF_TIME)?;
@@ -93,10 +93,10 @@ impl Proportion {
         let gain = slope * self.deviation;
         let mean = self.sums[0][3] / count;
         let travelled = libm::sqrt((self.sums[3][3] / count - mean * mean).max(0.0));
-        let ScaleParameters { told: tells, clearly, largest, .. } = *self.parameters;
+        let ScaleParameters { evident, clearly, largest, .. } = *self.parameters;
         let is_scale = gain.abs() < largest
             && gain.abs() * travelled > self.dead_band
-            && if told { nats > 0.0 } else { nats > tells && ratio > clearly };
+            && if is_reported { nats > 0.0 } else { nats > evident && ratio > clearly };
         is_scale.then_some(Scale { gain, nats })
     }
 

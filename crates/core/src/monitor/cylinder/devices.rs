@@ -35,14 +35,14 @@ impl Readings {
         self.devices.as_mut()?.each[role as usize].as_mut()
     }
 
-    pub fn hear_heartbeat(&mut self, role: DeviceRole, state: DeviceState) {
+    pub fn take_heartbeat(&mut self, role: DeviceRole, state: DeviceState) {
         if let Some(watch) = self.watch_mut(role) {
             watch.heartbeat(state);
         }
     }
 
     /// Takes an emergency message; returns whether it raises a warning.
-    pub fn hear_emergency(
+    pub fn take_emergency(
         &mut self,
         role: DeviceRole,
         at: Timestamp,
@@ -50,7 +50,7 @@ impl Readings {
     ) -> bool {
         let Some(watch) = self.watch_mut(role) else { return false };
         watch.emergency(emergency);
-        let (failed, report) = (watch.said() == DeviceWord::Failed, watch.report());
+        let (failed, report) = (watch.word() == DeviceWord::Failed, watch.report());
         let implausible = &mut self.implausible[role as usize];
         let raises = failed && !implausible.raised();
         if raises {
@@ -87,7 +87,7 @@ impl Readings {
     #[cold]
     pub(super) fn word(&self, i: usize) -> DeviceWord {
         let watch = self.devices.as_ref().and_then(|watches| watches.each[i].as_ref());
-        watch.map_or(DeviceWord::Nothing, DeviceWatch::said)
+        watch.map_or(DeviceWord::Nothing, DeviceWatch::word)
     }
 
     /// Quality of the reading of index `i` after what its device says; `reads` tells whether there is one.
@@ -110,13 +110,13 @@ impl Readings {
         self.has_devices() && self.word(DeviceRole::Valve as usize) == DeviceWord::NotOperational
     }
 
-    /// Passes to `tell` what the devices have said that is no fault, with the role and node-ID of each.
-    pub fn take_news(&mut self, mut tell: impl FnMut(DeviceRole, u8, DeviceNews)) {
+    /// Passes to `report` what the devices have sent that is no fault, with the role and node-ID of each.
+    pub fn take_news(&mut self, mut report: impl FnMut(DeviceRole, u8, DeviceNews)) {
         let Some(watches) = &mut self.devices else { return };
         for (role, watch) in DeviceRole::ALL.into_iter().zip(&mut watches.each) {
             let Some(watch) = watch else { continue };
             while let Some(news) = watch.take_news() {
-                tell(role, watch.node(), news);
+                report(role, watch.node(), news);
             }
         }
     }

@@ -212,12 +212,12 @@ pub struct SupplyWatch {
     /// How soon the pressure is too low, by 1/P_S, which grows evenly as the rods take oil that no pump replaces.
     reserve: Approach,
     alarm: Option<ProcessAlarm>,
-    /// What [`Self::news`] told.
-    told: [bool; 2],
+    /// What [`Self::news`] gave last.
+    reported: [bool; 2],
 }
 
 state! {
-    SupplyWatch { oil, shortfall, open, expected, size, reserve, alarm, told }
+    SupplyWatch { oil, shortfall, open, expected, size, reserve, alarm, reported }
     but { design, seconds, level, opening, longest, blocks }
 }
 
@@ -239,7 +239,7 @@ impl SupplyWatch {
             size: Size::default(),
             reserve: Approach::new(design.deadlines, seconds),
             alarm: None,
-            told: [false; 2],
+            reported: [false; 2],
             design,
         }
     }
@@ -266,9 +266,9 @@ impl SupplyWatch {
     /// asked for.
     #[inline]
     pub fn news(&mut self) -> Option<(Option<ProcessAlarm>, bool)> {
-        let says = [self.alarm.is_some(), self.is_judging()];
-        let told = core::mem::replace(&mut self.told, says);
-        (says[0] || says != told).then_some((self.alarm, says[1]))
+        let news = [self.alarm.is_some(), self.is_judging()];
+        let before = core::mem::replace(&mut self.reported, news);
+        (news[0] || news != before).then_some((self.alarm, news[1]))
     }
 
     /// Whether the newest cycle belongs to a block that is judged.

@@ -9,7 +9,7 @@ choice! { DeviceState { Initialising, Stopped, Operational, PreOperational } }
 whole! { DeviceReport { node, reason } }
 
 state! {
-    DeviceWatch { age, state, fresh, fault, told, complaint }
+    DeviceWatch { age, state, fresh, fault, reported, complaint }
     but { design, sends_readings }
 }
 

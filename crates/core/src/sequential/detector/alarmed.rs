@@ -127,13 +127,13 @@ impl Sequential {
                 if alarm.cause == Cause::Mean && alarm.peak.width > self.cycles.located => {}
             // What healthy residuals do, too: the fault is over, or has left nothing to tell.
             Some(Appearance::Noisy(size)) if size < notable => {}
-            Some(Appearance::Noisy(size)) => self.tell_noise(alarm, size),
-            Some(Appearance::Steady) => self.tell_shape(alarm),
+            Some(Appearance::Noisy(size)) => self.name_noise(alarm, size),
+            Some(Appearance::Steady) => self.name_kind(alarm),
             Some(Appearance::Neither) | None => {}
         }
     }
 
-    fn tell_shape(&self, alarm: &mut Alarm) {
+    fn name_kind(&self, alarm: &mut Alarm) {
         let PairParameters { clearly, followed, .. } = self.design.parameters.pair;
         let SequentialCycles { latest, located, looked_at, .. } = self.cycles;
         let shape = kind::shape(&self.history, self.design.deviation, &self.design.parameters.kind);
@@ -184,7 +184,7 @@ impl Sequential {
     }
 
     /// Noise has no onset to compare; its innovations go on.
-    fn tell_noise(&self, alarm: &mut Alarm, size: f64) {
+    fn name_noise(&self, alarm: &mut Alarm, size: f64) {
         if alarm.fault != Fault::Noise {
             alarm.clear_suspect();
         }

@@ -4,7 +4,7 @@ use super::{Design, Sequential};
 use crate::sequential::alarm::Alarm;
 use crate::sequential::noise::Noise;
 use crate::sequential::parameters::SequentialCycles;
-use crate::sequential::sampling::{Apart, Said};
+use crate::sequential::sampling::{Apart, SamplingEvidence};
 use crate::sequential::witness::Claim;
 use crate::verdict::{Fault, Suspect};
 
@@ -15,9 +15,10 @@ const AHEAD: u32 = 5;
 impl Sequential {
     /// What the residuals show of the sampling times of C1 and C2; `None` while one of them is at
     /// fault.
-    pub fn said(&self) -> Option<Said> {
-        let said = || Said { seen: self.skew.seen(), known: self.design.noise.timing };
-        self.is_witness().then(said)
+    pub fn sampling(&self) -> Option<SamplingEvidence> {
+        let evidence =
+            || SamplingEvidence { seen: self.skew.seen(), known: self.design.noise.timing };
+        self.is_witness().then(evidence)
     }
 
     /// Whether this cylinder can be asked. One with a noise that blames nobody may be affected by
@@ -62,7 +63,7 @@ impl Sequential {
     }
 
     /// Takes whether the noise may come from the sampling.
-    pub const fn hear(&mut self, may_be_timing: bool) {
+    pub const fn allow_timing(&mut self, may_be_timing: bool) {
         self.may_be_timing = may_be_timing;
     }
 }

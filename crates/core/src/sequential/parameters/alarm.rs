@@ -145,7 +145,7 @@ pub struct ScaleParameters {
     /// last for a fraction of a second, and the samples of so long are one.
     pub alike: f64,
     /// Evidence for a gain that tells, nats: a chance of e⁻¹⁰ for each fault, of which there are few …
-    pub told: f64,
+    pub evident: f64,
     /// … and time leaves this many times as much unexplained.
     pub clearly: f64,
     /// A larger gain is no gain: a frozen reading has −1.
@@ -154,7 +154,7 @@ pub struct ScaleParameters {
 
 impl ScaleParameters {
     pub const DEFAULT: Self =
-        Self { every: 0.4, longest: 60.0, alike: 0.5, told: 10.0, clearly: 4.0, largest: 0.1 };
+        Self { every: 0.4, longest: 60.0, alike: 0.5, evident: 10.0, clearly: 4.0, largest: 0.1 };
 }
 
 #[cfg(test)]
