@@ -1,26 +1,18 @@
 //! When an incident is reported again.
 //!
 //! Whom to suspect, what it is and its level are news at once. That it has grown, or that a further detector agrees, is
-//! news after [`PAUSE`], so that a person sees no size of minutes ago and a log does not fill with a drift.
+//! news after [`IncidentParameters::pause`], so that a person sees no size of minutes ago and a log does not fill with a drift.
 
 use super::joining::Open;
-use super::{Incident, Progress};
+use super::{Incident, IncidentParameters, Progress};
 use crate::alarm::Level;
 use crate::alarm::detector::PLACES;
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
-/// An incident has grown when its largest value is so many times that which was reported. A drift from a quarter of its
-/// limit to the trip at thirty times the limit is reported 22 times.
-const GROWTH: f64 = 1.25;
-
-/// Part of its limit up to which a size is not worth a report.
-const SMALL: f64 = 0.25;
-
-/// Shortest time between two reports, if the second one tells of growth or of a further detector only: what a person
-/// can follow.
-const PAUSE: Span = Span::from_nanos(5_000_000_000);
+/// By what an incident is news.
+const PARAMETERS: IncidentParameters = IncidentParameters::DEFAULT;
 
 /// What was reported of an incident.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +50,8 @@ impl Reported {
 
     /// Whether it says more than `before`.
     fn is_more(&self, before: &Self) -> bool {
-        self.raised != before.raised || self.share > GROWTH * before.share.max(SMALL)
+        self.raised != before.raised
+            || self.share > PARAMETERS.growth * before.share.max(PARAMETERS.small)
     }
 }
 
@@ -67,7 +60,8 @@ impl Open {
     pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
         let now = Reported::of(&self.incident);
         // A clock that was set back does not keep it waiting.
-        let is_due = !(Span::ZERO..PAUSE).contains(&at.since(self.incident.timestamp));
+        let pause = Span::from_seconds(PARAMETERS.pause);
+        let is_due = !(Span::ZERO..pause).contains(&at.since(self.incident.timestamp));
         let progress = match &self.reported {
             None => Progress::Opened,
             Some(before) if now.differs(before) || is_due && now.is_more(before) => {

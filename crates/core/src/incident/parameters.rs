@@ -28,6 +28,14 @@ pub struct IncidentParameters {
     /// Time after the begin within which a detector still sees the onset, s. What is raised later sees the fault's course or
     /// its end, and does not name its kind.
     pub onset: f64,
+    /// An incident has grown when its largest value is so many times that which was reported; above 1. A drift from a quarter of
+    /// its limit to the trip at thirty times the limit is reported 22 times.
+    pub growth: f64,
+    /// Part of its limit up to which a size is not worth a report, 0 to 1.
+    pub small: f64,
+    /// Shortest time between two reports, if the second one is about growth or a further detector only, s: what a person can
+    /// follow.
+    pub pause: f64,
 }
 
 /// Times by which the warnings of a cylinder are one event, as the machine's owner has them in `[alarm]`.
@@ -59,6 +67,9 @@ impl IncidentParameters {
         fact_within: 2.0,
         left: 0.5,
         onset: 0.5,
+        growth: 1.25,
+        small: 0.25,
+        pause: 5.0,
     };
 }
 
