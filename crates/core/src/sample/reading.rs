@@ -32,9 +32,9 @@ pub enum Field {
     Status(Transducer),
     Counter(Transducer),
     Command,
-    /// Pressure: not monitored, but read by commands that learn from a recording.
+    /// Pressure: read where a process detector, or a command that learns from a recording, needs it.
     Pressure(Pressure),
-    /// Position of the main spool: not monitored, but read by commands that learn from a recording.
+    /// Position of the main spool, likewise.
     Spool,
 }
 
@@ -54,6 +54,8 @@ impl Field {
 
     /// Bit of this field in [`Inputs::got`].
     pub const fn bit(self) -> u16 {
+        // All bits are taken: another field takes a wider `got`. Without this its bit would be a coded position's.
+        debug_assert!(self.place() < FIRST_CODED);
         1 << self.place()
     }
 
@@ -87,10 +89,10 @@ pub struct Reading {
 const PLACES: usize = 16;
 
 /// Beside the bits of the fields: the position of C1 or C2 came with a code.
-const CODED: [u16; 2] = [1 << 14, 1 << 15];
+const CODED: [u16; 2] = [1 << FIRST_CODED, 1 << (FIRST_CODED + 1)];
 
-// Their bits are all taken: another field takes a wider `got`.
-const _: () = assert!(Field::Spool.bit() < CODED[0]);
+/// Place of the first of these bits.
+const FIRST_CODED: u8 = 14;
 
 /// Inputs that have arrived so far in the open cycle: by [`Field::place`], a count and a number.
 /// Neither is valid without its bit in `got`.
