@@ -29,6 +29,11 @@ fn links(text: &str) -> Vec<&str> {
     targets.filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
 }
 
+/// The pages at the top, and those for people who use the program and for those who change it.
+fn pages() -> Vec<PathBuf> {
+    [files("", "md"), files("docs", "md"), files("docs/internals", "md")].concat()
+}
+
 /// The anchors of a page's headings, as GitHub makes them.
 fn anchors(text: &str) -> BTreeSet<String> {
     let headings = text.lines().filter(|line| line.starts_with('#'));
@@ -60,7 +65,7 @@ fn broken(page: &Path, link: &str) -> Option<String> {
 
 #[test]
 fn links_of_documents_lead_somewhere() {
-    let pages: Vec<PathBuf> = [files("", "md"), files("docs", "md")].concat();
+    let pages = pages();
     let mut counted = 0;
     let mut found = Vec::new();
     for page in &pages {
@@ -70,6 +75,18 @@ fn links_of_documents_lead_somewhere() {
     }
     assert!(counted > 30, "{counted} links on {} pages", pages.len());
     none(found, "links that lead nowhere");
+}
+
+#[test]
+fn the_index_lists_every_page() {
+    let index = read(&top().join("docs/README.md"));
+    let listed: Vec<String> =
+        links(&index).into_iter().map(|link| format!("docs/{link}")).collect();
+    let pages = [files("docs", "md"), files("docs/internals", "md")].concat();
+    let names = pages.iter().map(|page| page.strip_prefix(top()).expect("it is below"));
+    let names = names.map(|name| name.to_str().expect("UTF-8").to_owned());
+    let missing = names.filter(|name| name != "docs/README.md" && !listed.contains(name));
+    none(missing.collect(), "pages that docs/README.md does not list");
 }
 
 /// Lines of `text` whose number of cells is another than that of their table's first row, with their numbers.
@@ -89,7 +106,7 @@ fn ragged(text: &str) -> Vec<(usize, &str)> {
 #[test]
 fn rows_of_tables_have_as_many_cells_as_their_head() {
     let mut found = Vec::new();
-    for page in [files("", "md"), files("docs", "md")].concat() {
+    for page in pages() {
         let text = read(&page);
         let rows = ragged(&text).into_iter();
         found.extend(rows.map(|(number, row)| format!("{}:{number}: {row}", page.display())));
@@ -122,6 +139,117 @@ fn tests_that_documents_name_exist() {
     });
     let missing = missing.map(|(file, name)| format!("{file} has no {name}"));
     none(missing.collect(), "tests that docs/SAFETY.md names and that are not there");
+}
+
+/// A function on the way of a frame: the indentation of its line, its file and its name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step<'a> {
+    indent: usize,
+    file: &'a str,
+    name: &'a str,
+}
+
+/// The steps on a page: lines like `  src/live/gateway.rs: turn    what it does`. A step that is indented further than the one
+/// above is called by it.
+fn steps(text: &str) -> Vec<Step<'_>> {
+    let step = |line| {
+        let (file, rest) = str::split_once(line, ".rs: ")?;
+        let name = rest.split(' ').next()?;
+        let path = file.trim_start();
+        let is_path = path.contains('/') && !path.contains([' ', '`', '|']);
+        let file = &line[file.len() - path.len()..file.len() + ".rs".len()];
+        is_path.then_some(Step { indent: line.len() - line.trim_start().len(), file, name })
+    };
+    text.lines().filter_map(step).collect()
+}
+
+/// The step that calls each of `steps`; `None` where a way begins.
+fn callers<'a>(steps: &[Step<'a>]) -> Vec<Option<Step<'a>>> {
+    let above = |(at, step): (usize, &Step<'a>)| {
+        let before = steps[..at].iter().rev();
+        before.take_while(|_| step.indent > 0).find(|it| it.indent < step.indent).copied()
+    };
+    steps.iter().enumerate().map(above).collect()
+}
+
+fn has_word(text: &str, word: &str) -> bool {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    text.match_indices(word).any(|(at, _)| {
+        !text[..at].ends_with(is_part) && !text[at + word.len()..].starts_with(is_part)
+    })
+}
+
+/// The bodies of all functions `name` in `source`, which is formatted: up to the brace below the begin of the first line.
+fn bodies(source: &str, name: &str) -> Vec<String> {
+    let lines: Vec<&str> = source.lines().collect();
+    let begins = |line: &str| {
+        ["(", "<"].into_iter().any(|then| {
+            line.split_once(&format!("fn {name}{then}")).is_some_and(|(it, _)| !it.contains("//"))
+        })
+    };
+    let body = |at: usize| {
+        let indent = lines[at].len() - lines[at].trim_start().len();
+        let end = format!("{}}}", " ".repeat(indent));
+        let rest = lines[at + 1..].iter().take_while(|line| **line != end);
+        rest.copied().collect::<Vec<_>>().join("\n")
+    };
+    (0..lines.len()).filter(|at| begins(lines[*at])).map(body).collect()
+}
+
+/// What is wrong with `step`, which `caller` calls: its file has no such function, or the caller's does not name it.
+fn missing(
+    step: Step<'_>,
+    caller: Option<Step<'_>>,
+    source: impl Fn(&str) -> String,
+) -> Option<String> {
+    let Step { file, name, .. } = step;
+    if bodies(&source(file), name).is_empty() {
+        return Some(format!("{file} has no function {name}"));
+    }
+    let caller = caller?;
+    let calls = bodies(&source(caller.file), caller.name).iter().any(|body| has_word(body, name));
+    (!calls).then(|| format!("{} in {} does not call {name}", caller.name, caller.file))
+}
+
+#[test]
+fn each_arrow_of_the_architecture_is_a_call() {
+    let page = read(&top().join("ARCHITECTURE.md"));
+    let steps = steps(&page);
+    assert!(steps.len() > 50, "{} steps", steps.len());
+    let source = |file: &str| fs::read_to_string(top().join(file)).unwrap_or_default();
+    let found = steps.iter().zip(callers(&steps)).filter_map(|(it, by)| missing(*it, by, source));
+    none(found.collect(), "arrows in ARCHITECTURE.md that lead nowhere");
+    let length = page.lines().count();
+    assert!(length <= 200, "ARCHITECTURE.md has {length} lines; docs/internals/ has room");
+}
+
+#[test]
+fn arrows_that_lead_nowhere_are_caught() {
+    let source = |file: &str| match file {
+        "src/a.rs" => "pub fn first() {\n    b::second();\n}\n\nfn other<T>() {\n}\n".to_owned(),
+        "src/b.rs" => "// fn third() {\nimpl B {\n    fn second(&self) {\n    }\n}\n".to_owned(),
+        _ => String::new(),
+    };
+    let found = |text: &str| {
+        let steps = steps(text);
+        let each = steps.iter().zip(callers(&steps));
+        each.filter_map(|(it, by)| missing(*it, by, source)).count()
+    };
+    for text in [
+        "src/a.rs: first    what it does\n  src/b.rs: second\nsrc/a.rs: other",
+        "See `src/a.rs: none` and a table.\n| src/a.rs: none |",
+    ] {
+        assert_eq!(found(text), 0, "{text}");
+    }
+    for text in [
+        "src/a.rs: second",
+        "src/b.rs: third",
+        "src/none.rs: first",
+        "src/a.rs: other\n  src/b.rs: second",
+        "src/b.rs: second\n  src/a.rs: first",
+    ] {
+        assert_eq!(found(text), 1, "{text}");
+    }
 }
 
 #[test]

@@ -146,6 +146,9 @@ const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 /// A file longer than this has more than one noun.
 const LONGEST: usize = 700;
 
+/// The page with the drawing of the house.
+const HOUSE: &str = "docs/internals/house.md";
+
 /// Names that several public types of one crate may have: the clocks of telemetry and of the embedded
 /// bus, and the options of a recording and of a socket, which are always used with their module.
 const SHARED_NAMES: [&str; 2] = ["Clock", "Options"];
@@ -657,9 +660,9 @@ fn from_the_top(uses: &Uses) -> Vec<&String> {
 #[test]
 fn the_house_is_drawn_as_it_stands() {
     let drawn = drawing();
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md");
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(HOUSE);
     let text = fs::read_to_string(page).expect("it can be read");
-    assert!(text.contains(&drawn), "ARCHITECTURE.md has another house than this:\n{drawn}");
+    assert!(text.contains(&drawn), "{HOUSE} has another house than this:\n{drawn}");
 }
 
 #[test]
