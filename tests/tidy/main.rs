@@ -6,8 +6,10 @@
 //! It looks at tokens, so that comments and texts may say what they like, and at code outside of
 //! `#[cfg(test)]` only.
 
+mod circles;
 mod documents;
 
+use circles::{Uses, described, uses_of_rooms};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -329,68 +331,6 @@ fn worldly_names(source: &Source) -> Vec<String> {
     found.map(|what| format!("{}: {what}", source.name)).collect()
 }
 
-/// Names, and which others each of them uses.
-type Uses = BTreeMap<String, BTreeSet<String>>;
-
-/// Where a crate's rooms use each other in a circle, each of them with what it uses in it.
-fn circles(sources: &[Source]) -> Vec<String> {
-    let mut uses = uses_of_rooms(sources);
-    // What uses none of those that are left is in no circle, and neither is what nobody uses.
-    loop {
-        let before: usize = uses.values().map(BTreeSet::len).sum();
-        let using: BTreeSet<String> = uses.keys().cloned().collect();
-        let used: BTreeSet<String> = uses.values().flatten().cloned().collect();
-        uses.retain(|room, _| used.contains(room));
-        uses.values_mut().for_each(|others| others.retain(|other| using.contains(other)));
-        uses.retain(|_, others| !others.is_empty());
-        if uses.values().map(BTreeSet::len).sum::<usize>() == before {
-            break;
-        }
-    }
-    uses.iter().map(|(room, others)| format!("{room} uses {others:?}")).collect()
-}
-
-/// The rooms of a crate, which are the modules of its root, and which of them each uses.
-fn uses_of_rooms(sources: &[Source]) -> Uses {
-    let rooms: BTreeSet<&str> =
-        sources.iter().filter_map(|it| it.module().first().copied()).collect();
-    let roots = sources.iter().filter(|source| source.module().is_empty());
-    // What the root passes on is of the room that it is from.
-    let passed_on: BTreeMap<String, String> = roots
-        .flat_map(|root| paths(&root.tokens()))
-        .filter_map(|path| {
-            let (room, rest) = path.split_once("::")?;
-            let name = rest.rsplit("::").next()?;
-            rooms.contains(room).then(|| (name.to_owned(), room.to_owned()))
-        })
-        .collect();
-    let mut uses = Uses::new();
-    for source in sources.iter().filter(|source| !source.module().is_empty()) {
-        let module = source.module();
-        let used: &mut BTreeSet<String> = uses.entry(module[0].to_owned()).or_default();
-        for path in paths(&source.tokens()) {
-            let Some(name) = name_in_the_root(&path, module.len()) else { continue };
-            let room = passed_on.get(name).map_or(name, String::as_str);
-            if room != module[0] && rooms.contains(room) {
-                used.insert(room.to_owned());
-            }
-        }
-    }
-    uses
-}
-
-/// The name in the crate's root with which `path` begins, in a module so `deep`; `None` where it begins
-/// elsewhere.
-fn name_in_the_root(path: &str, deep: usize) -> Option<&str> {
-    let segments: Vec<&str> = path.split("::").collect();
-    let up = segments.iter().take_while(|segment| **segment == "super").count();
-    match segments[0] {
-        "crate" => segments.get(1).copied(),
-        "super" if up == deep => segments.get(up).copied(),
-        _ => None,
-    }
-}
-
 /// `.unwrap()`, `todo!` and the like; `expect` says why it cannot fail.
 fn unfinished(source: &Source) -> Vec<String> {
     let tokens = source.tokens();
@@ -490,7 +430,8 @@ fn functions_of_the_platform_are_caught_and_others_are_not() {
 #[test]
 fn the_rooms_of_a_crate_use_each_other_one_way() {
     for folder in crates() {
-        none(circles(&sources_below(&folder)), &format!("{folder}: rooms that use each other"));
+        let uses = uses_of_rooms(&sources_below(&folder));
+        none(described(&uses), &format!("{folder}: rooms that use each other"));
     }
 }
 
@@ -663,40 +604,6 @@ fn the_house_is_drawn_as_it_stands() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(HOUSE);
     let text = fs::read_to_string(page).expect("it can be read");
     assert!(text.contains(&drawn), "{HOUSE} has another house than this:\n{drawn}");
-}
-
-#[test]
-fn circles_are_caught_and_stairs_are_not() {
-    let circles = |files: [(&str, &str); 4]| {
-        circles(&files.map(|(name, text)| source(&format!("crates/made_up/src/{name}.rs"), text)))
-    };
-    let ways = [
-        "use crate::a::Kind;",
-        "use crate::{b, a::Kind};",
-        "fn f() { crate::a::f() }",
-        "use super::super::a::Kind;",
-        "use super::super::Kind;",
-        "fn f() { crate::Kind::f() }",
-    ];
-    for way in ways {
-        let root = ("lib", "mod a; mod b; mod c; pub use a::{Kind, f};");
-        let found =
-            circles([root, ("a", "use super::b;"), ("b/mod", "use crate::c;"), ("c/d", way)]);
-        assert_eq!(found.len(), 3, "{way}: {found:?}");
-        let found = circles([root, ("a", ""), ("b/mod", "use crate::c;"), ("c/d", way)]);
-        assert_eq!(found.len(), usize::from(way.contains("{b,")) * 2, "{way}: {found:?}");
-    }
-    let root = ("lib", "mod a; mod b; #[cfg(test)] use b::T;");
-    let tests = "#[cfg(test)] mod tests { use crate::b; }";
-    assert_eq!(
-        circles([
-            root,
-            ("a", tests),
-            ("b/c", "use super::a; use tertius_core::b;"),
-            ("b/mod", "use crate::a;")
-        ]),
-        [] as [String; 0]
-    );
 }
 
 #[test]
