@@ -3,19 +3,19 @@
 mod buses;
 mod devices;
 mod names;
-
-use std::collections::BTreeSet;
+mod requirement;
 
 use super::document::Document;
-use super::problem::{Problems, table_of};
+use super::problem::Problems;
 use super::settings::{Canopen, CylinderProcess, CylinderSequential, Settings};
 use super::text::other_count;
+use requirement::Relations;
 use tertius_core::alarm::own::FRAME_BITS;
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
 /// problem are not checked yet, since its values may not be what the user means.
 pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Problems) {
-    let mut relations = Relations { document, doubtful: problems.tables(), problems };
+    let mut relations = Relations::new(document, problems);
     relations.machine(settings);
     relations.plausibility(settings);
     relations.thresholds(settings);
@@ -30,27 +30,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.devices(settings);
 }
 
-struct Relations<'a> {
-    document: &'a Document,
-    /// Tables that already had a problem.
-    doubtful: BTreeSet<String>,
-    problems: &'a mut Problems,
-}
-
 impl Relations<'_> {
-    /// Reports a problem unless `holds`, at the first of `keys` that is overridden, or else that the file has: a
-    /// default is not at fault, and a file that was sound before an override is not either.
-    fn require(&mut self, holds: bool, keys: &[&str], message: String, help: &str) {
-        if holds || keys.iter().any(|key| self.doubtful.contains(table_of(key))) {
-            return;
-        }
-        let document = self.document;
-        let overridden = keys.iter().find(|key| document.is_overridden(key));
-        let own = || keys.iter().find(|key| document.has(key)).or(keys.first());
-        let key = overridden.or_else(own).copied();
-        self.problems.push_with(|| document.problem(key.unwrap_or(""), message, help));
-    }
-
     fn tls(&mut self, settings: &Settings) {
         let http = &settings.http;
         self.require(
@@ -382,9 +362,5 @@ impl Relations<'_> {
             format!("`{key}` must begin with 0 and never fall"),
             HELP,
         );
-    }
-
-    fn default_note(&self, key: &str) -> &'static str {
-        if self.document.has(key) { "" } else { " (the default)" }
     }
 }

@@ -1,10 +1,13 @@
 //! Settings as the monitor needs them: one cylinder at a time, with defaults filled in.
 
 use super::settings::{
-    Cylinder, CylinderProcess, CylinderSequential, CylinderSignals, Model, Settings,
+    Canopen, Cylinder, CylinderProcess, CylinderSequential, Device, Model, Settings,
 };
-use super::text;
+use tertius_core::alarm::OwnMessage;
+use tertius_core::alarm::frames::{identifiers, service_identifiers};
+use tertius_core::alarm::own::Sending;
 use tertius_core::decode::Raw;
+use tertius_core::frame::Id;
 use tertius_core::sequential::{self, DriftLimits};
 use tertius_dbc::Signal;
 
@@ -172,35 +175,41 @@ impl Settings {
         DriftLimits { maintenance, critical }
     }
 
+    /// Devices that describe themselves.
+    pub fn devices(&self) -> &[Device] {
+        &self.canopen.device
+    }
+
+    /// The gateway as a CANopen node; `None` if it is none.
+    pub fn canopen_node(&self) -> Option<&Canopen> {
+        Some(&self.canopen).filter(|canopen| canopen.node)
+    }
+
+    /// The identifiers that the gateway sends: those of its messages in the order of
+    /// [`OwnMessage::ALL`], and those of a node's services.
+    pub fn own_identifiers(&self) -> Vec<Id> {
+        let node = self.gateway.node;
+        let services = self.canopen_node().and_then(|_| service_identifiers(node));
+        identifiers(node).into_iter().flatten().chain(services.into_iter().flatten()).collect()
+    }
+
+    /// Number of frames with a period that the gateway sends each second: Fd_Status, and heartbeats.
+    pub fn reports(&self) -> f64 {
+        let messages = OwnMessage::ALL.into_iter().map(OwnMessage::sending);
+        let statuses: f64 = messages.filter_map(Sending::frequency).sum();
+        statuses + self.canopen_node().map_or(0.0, Canopen::heartbeats)
+    }
+
+    /// Number of frames that the gateway sends each second whatever happens: [`Self::reports`], and
+    /// Fd_Estimate for each cylinder in each cycle where it is sent.
+    pub fn periodic_frames(&self) -> f64 {
+        let cyclic = OwnMessage::ALL.iter().filter(|message| message.sending() == Sending::Cycles);
+        let a_cycle = f64::from(self.machine.cylinders) * cyclic.count() as f64;
+        let estimates = if self.estimate.send { a_cycle / self.machine.sample_time } else { 0.0 };
+        self.reports() + estimates
+    }
+
     fn own(&self, n: u8) -> Option<&Cylinder> {
         self.cylinder.iter().find(|cylinder| cylinder.n == n)
-    }
-}
-
-impl CylinderSignals {
-    /// Every configured signal with its key; `{n}` is not yet replaced.
-    pub fn named(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        [
-            ("c1", Some(&self.c1)),
-            ("c1_velocity", self.c1_velocity.as_ref()),
-            ("c1_status", self.c1_status.as_ref()),
-            ("c1_counter", self.c1_counter.as_ref()),
-            ("c2", self.c2.as_ref()),
-            ("c2_velocity", self.c2_velocity.as_ref()),
-            ("c2_status", self.c2_status.as_ref()),
-            ("c2_counter", self.c2_counter.as_ref()),
-            ("control_speed", Some(&self.control_speed)),
-            ("pressure_bottom", self.pressure_bottom.as_ref()),
-            ("pressure_rod", self.pressure_rod.as_ref()),
-            ("load_pressure", self.load_pressure.as_ref()),
-            ("spool", self.spool.as_ref()),
-        ]
-        .into_iter()
-        .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))
-    }
-
-    /// Name of a signal for cylinder `n`, which replaces `{n}`; of a list, `{A,B,C}`, it is the name in its place.
-    pub fn of_cylinder(signal: &str, n: u8) -> String {
-        text::of_cylinder(signal, n)
     }
 }

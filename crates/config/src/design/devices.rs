@@ -1,6 +1,7 @@
 //! Devices that tell of themselves: the services by which they do, and the watches on them.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use crate::settings::{Device, DeviceKind, Role};
 use tertius_core::frame::{BusNumber, Id};
 use tertius_core::monitor::subscriptions::{

@@ -1,6 +1,6 @@
 //! From settings to a virtual sensor.
 
-use super::Connector;
+use super::connector::Connector;
 use crate::settings::Settings;
 use tertius_core::compare::Comparator;
 use tertius_core::estimate::{

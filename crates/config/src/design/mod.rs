@@ -1,5 +1,6 @@
 //! From settings and a DBC to everything that a monitor is made from.
 
+mod connector;
 mod devices;
 mod estimate;
 mod flaw;
@@ -14,15 +15,16 @@ mod times;
 pub use estimate::accommodation;
 pub use flaw::Flaw;
 
-use super::settings::{CylinderSignals, Settings};
+use super::settings::Settings;
 use super::text::bus_of;
+use connector::{Connected, Connector};
 use flaw::once_per_key;
 use process::deadlines;
 use tertius_core::compare::Comparator;
 use tertius_core::frame::BusNumber;
 use tertius_core::monitor::cylinder::{CylinderDesign, LastParameters, ReckoningParameters};
 use tertius_core::monitor::gate::Gate;
-use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
+use tertius_core::monitor::subscriptions::{Subscription, Target};
 use tertius_core::monitor::{Estimates, MonitorDesign};
 use tertius_core::observe::commands::LearntCommands;
 use tertius_core::observe::model::Model;
@@ -33,7 +35,7 @@ use tertius_core::sample::{Field, Transducer};
 use tertius_core::time::Span;
 use tertius_core::verdict::fault::Signatures;
 use tertius_core::verdict::{self, BankDesign, Thresholds};
-use tertius_dbc::{Database, LookupError, Message, Signal};
+use tertius_dbc::Database;
 
 /// The monitor for `settings`, with the signals of `database`.
 ///
@@ -77,26 +79,7 @@ pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesi
     Connector::new(settings, database, true).build()
 }
 
-struct Connector<'a> {
-    settings: &'a Settings,
-    database: &'a Database,
-    subscriptions: Subscriptions,
-    surveys: bool,
-    flaws: Vec<Flaw>,
-}
-
-/// What is known of a signal once it is connected.
-struct Connected<'a> {
-    bus: BusNumber,
-    message: &'a Message,
-    signal: &'a Signal,
-}
-
-impl<'a> Connector<'a> {
-    fn new(settings: &'a Settings, database: &'a Database, surveys: bool) -> Self {
-        Self { settings, database, subscriptions: Subscriptions::new(), surveys, flaws: Vec::new() }
-    }
-
+impl Connector<'_> {
     fn build(mut self) -> Result<MonitorDesign, Vec<Flaw>> {
         let settings = self.settings;
         self.connect_sync();
@@ -303,85 +286,6 @@ impl<'a> Connector<'a> {
             })
         });
         Some([first.ok()?, second.ok()?])
-    }
-
-    fn connect(
-        &mut self,
-        n: u8,
-        key: &str,
-        name: Option<&str>,
-        field: Field,
-    ) -> Option<Connected<'a>> {
-        let name = CylinderSignals::of_cylinder(name?, n);
-        let key = format!("signals.cylinder.{key}");
-        let found = self.find(&key, &name)?;
-        self.refuse_unit(&key, &name, found.signal, field);
-        self.refuse_twice(&key, &name, &found, Target::Cylinder(n - 1, field));
-        let subscription = self.subscriptions.subscribe(found.bus, found.message.id);
-        subscription.reading |= field.is_reading();
-        subscription.cyclic = true;
-        let target = Target::Cylinder(n - 1, field);
-        subscription.signals.push(SubscribedSignal { plan: found.signal.plan.clone(), target });
-        Some(found)
-    }
-
-    fn find(&mut self, key: &str, name: &str) -> Option<Connected<'a>> {
-        let (bus, name) = bus_of(name).unwrap_or((BusNumber::First, name));
-        match self.database.signal(name) {
-            Ok((message, signal)) => Some(Connected { bus, message, signal }),
-            Err(error) => {
-                let help = match error {
-                    LookupError::Refused { .. } => "correct the message in the DBC",
-                    LookupError::Object { .. } => {
-                        "name an object that is mapped, or map it and give the device's DCF"
-                    }
-                    _ => "name it MESSAGE.SIGNAL as the DBC does",
-                };
-                self.flaws.push(Flaw::new(key, error, help));
-                None
-            }
-        }
-    }
-
-    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit. What [`crate::units`] knows
-    /// was converted before.
-    fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
-        let expected = match field {
-            Field::Position(_) => "m",
-            Field::Velocity(_) => "m/s",
-            Field::Pressure(_) => "bar",
-            // A spool's unit is its own: percent, millimetres, volts.
-            Field::Status(_) | Field::Counter(_) | Field::Command | Field::Spool => return,
-        };
-        if !(signal.unit.is_empty() || signal.unit == expected) {
-            self.flaws.push(Flaw::new(
-                key,
-                format!("{name} is in {:?}, expected {expected:?}", signal.unit),
-                format!(
-                    "the unit is not known; scale factor, offset and range of the DBC to {expected}"
-                ),
-            ));
-        }
-    }
-
-    fn refuse_twice(&mut self, key: &str, name: &str, found: &Connected<'_>, target: Target) {
-        let subscription = self.subscriptions.find(found.bus, found.message.id);
-        let subscription = subscription.map(|place| &self.subscriptions.all()[place]);
-        let used =
-            |one: &SubscribedSignal| one.plan == found.signal.plan && !one.shares_with(target);
-        let alone = |subscription: &&Subscription| !subscription.has_position_of(target);
-        let taken = subscription.is_some_and(|subscription| {
-            subscription.signals.iter().any(used)
-                || alone(&subscription)
-                    && subscription.signals.iter().any(|one| one.plan == found.signal.plan)
-        });
-        if taken {
-            self.flaws.push(Flaw::new(
-                key,
-                format!("{name} is used already for something else"),
-                "every signal of every cylinder needs a place of its own; is {n} missing?",
-            ));
-        }
     }
 
     fn refuse_own_identifiers(&mut self) {

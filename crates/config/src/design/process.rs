@@ -1,6 +1,7 @@
 //! From the fitted tables to the process detectors.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use crate::settings::Settings;
 use crate::settings::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,

@@ -1,6 +1,7 @@
 //! The scale of the gateway's own Fd_Estimate, as given by the DBC.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use tertius_core::alarm::frames::{CountScale, ESTIMATE_LAYOUT, Encoder, EstimateScale};
 use tertius_core::decode::Decoded;
 use tertius_core::frame::{Frame, Kind};

@@ -1,6 +1,7 @@
 //! From the fitted tables to a sequential detector.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use crate::settings::{CylinderExcursions, CylinderSequential};
 use tertius_core::sequential::excursions::STRAYS;
 use tertius_core::sequential::pair::Prediction;

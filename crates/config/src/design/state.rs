@@ -1,6 +1,7 @@
 //! The platform's state: where it is read, and which of its values matter.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Target};
 use tertius_dbc::Signal;
 

@@ -1,6 +1,6 @@
 //! Signals that only the process detectors monitor, and commands that learn from a recording read.
 
-use super::Connector;
+use super::connector::Connector;
 use crate::settings::CylinderSignals;
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Target};
 use tertius_core::sample::{Field, Pressure};

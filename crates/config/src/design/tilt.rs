@@ -1,6 +1,7 @@
 //! The attitude sensor on the deck: where it is read, and what it is compared with.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use tertius_core::hexapod::{Geometry, Inclination, LEGS, TiltDesign, TiltParameters};
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Target};
 

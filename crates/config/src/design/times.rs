@@ -1,6 +1,7 @@
 //! Models and tables made for another sample time than the machine's.
 
-use super::{Connector, Flaw};
+use super::connector::Connector;
+use super::flaw::Flaw;
 use crate::settings::Cylinder;
 use tertius_core::frame::BusNumber;
 

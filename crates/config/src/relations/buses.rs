@@ -1,6 +1,6 @@
 //! Relations between the buses and the signals that are on them.
 
-use super::Relations;
+use super::requirement::Relations;
 use crate::settings::{Bus, Settings};
 use crate::text::bus_of;
 use tertius_core::frame::BusNumber;

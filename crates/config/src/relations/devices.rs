@@ -1,6 +1,6 @@
 //! Devices have to fit the machine, the signals that are read of them, and each other.
 
-use super::Relations;
+use super::requirement::Relations;
 use crate::settings::{Cylinder, Device, DeviceKind, Role, Settings};
 
 impl Relations<'_> {

@@ -1,6 +1,6 @@
 //! The names of cylinders and transducers: each is one thing's, and of something that is there.
 
-use super::Relations;
+use super::requirement::Relations;
 use crate::settings::Settings;
 
 impl Relations<'_> {

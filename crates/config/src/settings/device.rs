@@ -1,9 +1,8 @@
 //! `[[canopen.device]]`: devices whose objects are read.
 
-use super::{CylinderSignals, PLACEHOLDER, Settings};
 use crate::kinds::{MOST_CYLINDERS, number, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
-use crate::text::{TextRule, object_of};
+use crate::text::TextRule;
 use serde::Deserialize;
 
 table! {
@@ -84,68 +83,11 @@ impl Device {
     }
 }
 
-fn device_name(role: Option<Role>, cylinder: &str) -> String {
+pub(super) fn device_name(role: Option<Role>, cylinder: &str) -> String {
     format!("{} of cylinder {cylinder}", role.map_or("valve", Role::name))
-}
-
-/// The transducer that a key of `[signals.cylinder]` is about; `None` for the valve.
-fn role_of(key: &str) -> Option<Role> {
-    match key.split('_').next() {
-        Some("c1") => Some(Role::C1),
-        Some("c2") => Some(Role::C2),
-        _ => None,
-    }
 }
 
 /// Name of an object as a signal of its device.
 pub fn object_name(index: u16, sub_index: u8) -> String {
     format!("0x{index:04X}:{sub_index:02X}")
-}
-
-impl Settings {
-    /// Devices that describe themselves.
-    pub fn devices(&self) -> &[Device] {
-        &self.canopen.device
-    }
-}
-
-impl CylinderSignals {
-    /// Turns each object into the name of a signal of its device, `c1 of cylinder {n}.0x6020:01`.
-    pub(crate) fn name_objects(&mut self) {
-        for (key, signal) in self.named_mut() {
-            if let Some((index, sub_index)) = object_of(signal) {
-                let device = device_name(role_of(key), PLACEHOLDER);
-                *signal = format!("{device}.{}", object_name(index, sub_index));
-            }
-        }
-    }
-
-    /// Keys whose signals are objects of devices, and the transducer or valve that they are of.
-    pub(crate) fn objects(&self) -> impl Iterator<Item = (&'static str, Option<Role>)> {
-        let of_object = |(key, signal): (&'static str, &str)| {
-            let role = role_of(key);
-            signal.starts_with(&device_name(role, PLACEHOLDER)).then_some((key, role))
-        };
-        self.named().filter_map(of_object)
-    }
-
-    fn named_mut(&mut self) -> impl Iterator<Item = (&'static str, &mut String)> {
-        [
-            ("c1", Some(&mut self.c1)),
-            ("c1_velocity", self.c1_velocity.as_mut()),
-            ("c1_status", self.c1_status.as_mut()),
-            ("c1_counter", self.c1_counter.as_mut()),
-            ("c2", self.c2.as_mut()),
-            ("c2_velocity", self.c2_velocity.as_mut()),
-            ("c2_status", self.c2_status.as_mut()),
-            ("c2_counter", self.c2_counter.as_mut()),
-            ("control_speed", Some(&mut self.control_speed)),
-            ("pressure_bottom", self.pressure_bottom.as_mut()),
-            ("pressure_rod", self.pressure_rod.as_mut()),
-            ("load_pressure", self.load_pressure.as_mut()),
-            ("spool", self.spool.as_mut()),
-        ]
-        .into_iter()
-        .filter_map(|(key, signal)| signal.map(|signal| (key, signal)))
-    }
 }

@@ -1,8 +1,9 @@
 //! `[signals]`.
 
+use super::device::{Role, device_name, object_name};
 use crate::kinds::text;
 use crate::schema::{Kind, table};
-use crate::text::TextRule;
+use crate::text::{PLACEHOLDER, TextRule, object_of, of_cylinder};
 
 table! {
     /// Where the signals are: `MESSAGE.SIGNAL` of the DBC, on another bus than the first `second:MESSAGE.SIGNAL`.
@@ -56,5 +57,81 @@ table! {
         spool: Option<String> = None => text(TextRule::CylinderSignal),
             "\"Cyl{n}_Valve.SpoolPosition\"",
             "the position of the main spool, positive extends, for `identify --nonlinear`";
+    }
+}
+
+impl CylinderSignals {
+    /// Every configured signal with its key; `{n}` is not yet replaced.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        [
+            ("c1", Some(&self.c1)),
+            ("c1_velocity", self.c1_velocity.as_ref()),
+            ("c1_status", self.c1_status.as_ref()),
+            ("c1_counter", self.c1_counter.as_ref()),
+            ("c2", self.c2.as_ref()),
+            ("c2_velocity", self.c2_velocity.as_ref()),
+            ("c2_status", self.c2_status.as_ref()),
+            ("c2_counter", self.c2_counter.as_ref()),
+            ("control_speed", Some(&self.control_speed)),
+            ("pressure_bottom", self.pressure_bottom.as_ref()),
+            ("pressure_rod", self.pressure_rod.as_ref()),
+            ("load_pressure", self.load_pressure.as_ref()),
+            ("spool", self.spool.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))
+    }
+
+    /// Name of a signal for cylinder `n`, which replaces `{n}`; of a list, `{A,B,C}`, it is the name in its place.
+    pub fn of_cylinder(signal: &str, n: u8) -> String {
+        of_cylinder(signal, n)
+    }
+
+    /// Turns each object into the name of a signal of its device, `c1 of cylinder {n}.0x6020:01`.
+    pub(crate) fn name_objects(&mut self) {
+        for (key, signal) in self.named_mut() {
+            if let Some((index, sub_index)) = object_of(signal) {
+                let device = device_name(role_of(key), PLACEHOLDER);
+                *signal = format!("{device}.{}", object_name(index, sub_index));
+            }
+        }
+    }
+
+    /// Keys whose signals are objects of devices, and the transducer or valve that they are of.
+    pub(crate) fn objects(&self) -> impl Iterator<Item = (&'static str, Option<Role>)> {
+        let of_object = |(key, signal): (&'static str, &str)| {
+            let role = role_of(key);
+            signal.starts_with(&device_name(role, PLACEHOLDER)).then_some((key, role))
+        };
+        self.named().filter_map(of_object)
+    }
+
+    fn named_mut(&mut self) -> impl Iterator<Item = (&'static str, &mut String)> {
+        [
+            ("c1", Some(&mut self.c1)),
+            ("c1_velocity", self.c1_velocity.as_mut()),
+            ("c1_status", self.c1_status.as_mut()),
+            ("c1_counter", self.c1_counter.as_mut()),
+            ("c2", self.c2.as_mut()),
+            ("c2_velocity", self.c2_velocity.as_mut()),
+            ("c2_status", self.c2_status.as_mut()),
+            ("c2_counter", self.c2_counter.as_mut()),
+            ("control_speed", Some(&mut self.control_speed)),
+            ("pressure_bottom", self.pressure_bottom.as_mut()),
+            ("pressure_rod", self.pressure_rod.as_mut()),
+            ("load_pressure", self.load_pressure.as_mut()),
+            ("spool", self.spool.as_mut()),
+        ]
+        .into_iter()
+        .filter_map(|(key, signal)| signal.map(|signal| (key, signal)))
+    }
+}
+
+/// The transducer that a key of `[signals.cylinder]` is about; `None` for the valve.
+fn role_of(key: &str) -> Option<Role> {
+    match key.split('_').next() {
+        Some("c1") => Some(Role::C1),
+        Some("c2") => Some(Role::C2),
+        _ => None,
     }
 }
