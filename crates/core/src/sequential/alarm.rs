@@ -101,3 +101,14 @@ impl Alarm {
         self.peak.width.max(least)
     }
 }
+
+/// Blames whom the evidence is against, where it is enough: the log-likelihood of C1 less that of C2, nats.
+pub(super) fn decide(alarm: &mut Alarm, by: Testimony, evidence: Option<f64>, enough: f64) {
+    alarm.evidence = evidence;
+    alarm.suspect = match evidence {
+        Some(nats) if nats > enough => Suspect::C1,
+        Some(nats) if nats < -enough => Suspect::C2,
+        _ => Suspect::Undecided,
+    };
+    alarm.by = (alarm.suspect != Suspect::Undecided).then_some(by);
+}

@@ -91,9 +91,8 @@ impl Clipping {
 #[cfg(test)]
 mod tests {
     use super::super::rate::{Magnitudes, Of, Rate};
-    use super::super::samples::{History, Sample};
+    use super::super::samples::{History, Independence, Sample};
     use super::super::statistic::{DEAD_BAND, INDEPENDENT, Scales};
-    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;

@@ -216,9 +216,8 @@ fn in_tail(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -
 mod tests {
     use super::super::clip::Clip;
     use super::super::rate::{Of, Rate};
-    use super::super::samples::Sample;
+    use super::super::samples::{Independence, Sample};
     use super::super::statistic::DEAD_BAND;
-    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;

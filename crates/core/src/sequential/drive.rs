@@ -1,6 +1,6 @@
 //! How fast the command makes the rod go: what both transducers will read, before they do.
 
-use super::parameters::{DriveCycles, DriveParameters};
+use super::parameters::{DriveCycles, DriveParameters, MOST_PHASES};
 use super::tanh::{of_five_times, tanh};
 use crate::state::state;
 
@@ -11,9 +11,6 @@ const LAGS: [usize; 11] = [0, 1, 2, 3, 4, 5, 6, 8, 10, 13, 16];
 pub const FEATURES: usize = LAGS.len() + BENT;
 
 const BENT: usize = 6;
-
-/// Cycles of a step at the most, at 100 Hz.
-pub const MOST_PHASES: usize = 2;
 
 /// As many as there are places in a ring, a power of two.
 const HELD: usize = 32;

@@ -5,6 +5,9 @@ use super::stops::StopParameters;
 use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
+/// Fewer are no history.
+pub const LEAST: usize = 3;
+
 const P: &StopParameters = &StopParameters::DEFAULT;
 
 /// What C1 reads on the stop, and C2 where the cylinder has one, m; or by how much they have moved.

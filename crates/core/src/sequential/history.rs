@@ -1,6 +1,6 @@
 //! History of the dwells of one cylinder.
 
-use super::dwell::Dwell;
+use super::dwell::{Dwell, LEAST};
 use super::stops::{Day, StopParameters};
 use super::trend::Trend;
 use crate::state::whole;
@@ -14,9 +14,6 @@ pub const MOST: usize = 128;
 
 /// A history that was kept by an earlier version may have so many.
 pub const MOST_READ: usize = 512;
-
-/// Fewer are no history.
-pub const LEAST: usize = 3;
 
 const P: &StopParameters = &StopParameters::DEFAULT;
 

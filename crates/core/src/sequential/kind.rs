@@ -108,8 +108,7 @@ pub fn appearance(
 mod tests {
     use super::*;
     use crate::sequential::clip::Clip;
-    use crate::sequential::samples::Sample;
-    use crate::sequential::thinning::Independence;
+    use crate::sequential::samples::{Independence, Sample};
 
     const P: &KindParameters = &KindParameters::DEFAULT;
 

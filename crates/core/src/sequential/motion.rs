@@ -3,11 +3,8 @@
 //! One wild sample makes a displacement and another one back, so motion needs two successive
 //! displacements in the same direction.
 
-use super::parameters::ResidualParameters;
+use super::parameters::{MOST_CYCLES, ResidualParameters};
 use crate::state::state;
-
-/// Displacements are over no more cycles: those of [`ResidualParameters::motion`] up to 160 Hz.
-pub const MOST_CYCLES: usize = 32;
 
 /// Follows both readings.
 #[derive(Clone, Debug)]

@@ -16,10 +16,10 @@ mod residual;
 mod sampling;
 
 pub use alarm::{AlarmParameters, KindParameters, PairParameters, ScaleParameters};
-pub use drive::{DriveCycles, DriveParameters};
+pub use drive::{DriveCycles, DriveParameters, MOST_PHASES};
 pub use evidence::{DependenceParameters, EvidenceParameters, OutlierParameters};
 pub use onset::OnsetParameters;
-pub use residual::{ResidualCycles, ResidualParameters};
+pub use residual::{MOST_CYCLES, ResidualCycles, ResidualParameters};
 pub use sampling::{SamplingParameters, WitnessParameters};
 
 use super::samples::NEWEST;

@@ -2,7 +2,6 @@
 
 use super::clip::Clip;
 use super::statistic::DEAD_BAND;
-use super::thinning::Independence;
 use super::windows::{Few, Sums, VALUES};
 use crate::state::state;
 use alloc::boxed::Box;
@@ -48,6 +47,16 @@ impl Sample {
             self.share
         }
     }
+}
+
+/// Weight of a sample as evidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Independence {
+    /// None: it repeats the previous sample.
+    Repeated,
+    /// Reduced: the rod stands or nearly so, and one sample largely repeats the previous one.
+    AtRest,
+    InMotion,
 }
 
 /// The newest residuals, at most `N`, m; `N` is a power of two.

@@ -4,6 +4,7 @@ use super::samples::{AT_REST, History, MOVING};
 use super::statistic::{Peak, Scales, larger};
 use super::windows::{Few, Sums, VALUES, WIDTHS, add};
 use crate::state::whole;
+use core::ops::Range;
 
 /// So many windows are of samples at rest, too, …
 const FEW: usize = 5;
@@ -15,6 +16,28 @@ const NARROW: usize = 8;
 const EVERY: u32 = 4;
 
 const _: () = assert!(WIDTHS[FEW - 1] <= AT_REST && WIDTHS[FEW] > AT_REST);
+
+impl Scales {
+    /// Both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
+    /// ε_w share), and w/κ₂ I₂(mean square − δ), where these are above 0.
+    pub fn peaks(&self, history: &History, widest: usize) -> [Peak; 2] {
+        self.exhaustive(0..WIDTHS.len(), history, widest)
+    }
+
+    /// Both statistics by definition, window by window.
+    fn exhaustive(&self, which: Range<usize>, history: &History, widest: usize) -> [Peak; 2] {
+        let mut peaks = [Peak::default(); 2];
+        for index in which.take_while(|index| WIDTHS[*index] <= widest) {
+            let Some(sums) = history.over(WIDTHS[index]) else { continue };
+            let (width, window) = (WIDTHS[index], &self.windows[index]);
+            let mean = self.mean_nats(window, window.beyond(sums));
+            let square = self.square_nats(window, window.square_beyond(sums));
+            peaks[0] = larger(peaks[0], Peak { nats: mean, width });
+            peaks[1] = larger(peaks[1], Peak { nats: square, width });
+        }
+        peaks
+    }
+}
 
 /// The largest of some windows.
 #[derive(Clone, Copy, Debug, Default)]
@@ -123,9 +146,8 @@ impl Scales {
 mod tests {
     use super::super::clip::Clip;
     use super::super::rate::{Magnitudes, Of, Rate};
-    use super::super::samples::Sample;
+    use super::super::samples::{Independence, Sample};
     use super::super::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT};
-    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::{RngExt, SeedableRng};

@@ -2,11 +2,9 @@
 
 use super::parameters::EvidenceParameters;
 use super::rate::Rate;
-use super::samples::History;
 use super::wild::Outliers;
 use super::windows::{VALUES, WIDTHS};
 use crate::state::whole;
-use core::ops::Range;
 
 /// A statistic and its window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -197,31 +195,6 @@ impl Scales {
         &self.bands
     }
 
-    /// Both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
-    /// ε_w share), and w/κ₂ I₂(mean square − δ), where these are above 0.
-    pub fn peaks(&self, history: &History, widest: usize) -> [Peak; 2] {
-        self.exhaustive(0..WIDTHS.len(), history, widest)
-    }
-
-    /// Both statistics by definition, window by window.
-    pub(super) fn exhaustive(
-        &self,
-        which: Range<usize>,
-        history: &History,
-        widest: usize,
-    ) -> [Peak; 2] {
-        let mut peaks = [Peak::default(); 2];
-        for index in which.take_while(|index| WIDTHS[*index] <= widest) {
-            let Some(sums) = history.over(WIDTHS[index]) else { continue };
-            let (width, window) = (WIDTHS[index], &self.windows[index]);
-            let mean = self.mean_nats(window, window.beyond(sums));
-            let square = self.square_nats(window, window.square_beyond(sums));
-            peaks[0] = larger(peaks[0], Peak { nats: mean, width });
-            peaks[1] = larger(peaks[1], Peak { nats: square, width });
-        }
-        peaks
-    }
-
     /// Nats of the part of a sum `beyond` its band, m.
     #[inline]
     pub(super) fn mean_nats(&self, window: &Window, beyond: f64) -> f64 {
@@ -253,8 +226,7 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::samples::{AT_REST, Sample};
-    use super::super::thinning::Independence;
+    use super::super::samples::{AT_REST, History, Independence, Sample};
     use super::*;
 
     const DEVIATION: f64 = 1e-4;

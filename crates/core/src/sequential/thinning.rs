@@ -2,18 +2,8 @@
 
 use super::motion::Motion;
 use super::parameters::ResidualParameters;
-use super::samples::Sample;
+use super::samples::{Independence, Sample};
 use crate::state::state;
-
-/// Weight of a sample as evidence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Independence {
-    /// None: it repeats the previous sample.
-    Repeated,
-    /// Reduced: the rod stands or nearly so, and one sample largely repeats the previous one.
-    AtRest,
-    InMotion,
-}
 
 /// Follows both readings and their difference.
 ///

@@ -1,7 +1,6 @@
 //! Trends of a transducer's readings on the stop.
 
-use super::dwell::Dwell;
-use super::history::LEAST;
+use super::dwell::{Dwell, LEAST};
 use super::stops::StopParameters;
 use super::student;
 use alloc::vec::Vec;

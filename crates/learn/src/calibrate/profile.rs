@@ -11,8 +11,8 @@ use tertius_core::sequential::drive::Drive;
 use tertius_core::sequential::noise::LEAST_TIMING;
 use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::reference::DOUBTED;
-use tertius_core::sequential::samples::Sample;
-use tertius_core::sequential::thinning::{Independence, Thinning};
+use tertius_core::sequential::samples::{Independence, Sample};
+use tertius_core::sequential::thinning::Thinning;
 use tertius_core::sequential::velocity::Velocity;
 use tertius_core::sequential::{Noise, Reference};
 

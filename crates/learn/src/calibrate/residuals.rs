@@ -7,8 +7,8 @@ use super::trying::FAULTY;
 use crate::survey::Row;
 use tertius_core::sequential::baseline::{Baseline, Loss};
 use tertius_core::sequential::parameters::ResidualParameters;
-use tertius_core::sequential::samples::Sample;
-use tertius_core::sequential::thinning::{Independence, Thinning};
+use tertius_core::sequential::samples::{Independence, Sample};
+use tertius_core::sequential::thinning::Thinning;
 use tertius_core::sequential::velocity::Velocity;
 
 /// Standard deviation that is assumed before it is known, m.

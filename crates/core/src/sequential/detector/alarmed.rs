@@ -1,13 +1,12 @@
 //! What becomes of an alarm: of what kind it is, which transducer, and when it is over.
 
 use super::Sequential;
-use crate::sequential::alarm::{Alarm, Cause};
+use crate::sequential::alarm::{Alarm, Cause, decide};
 use crate::sequential::kind::{self, Appearance};
 use crate::sequential::pair::Form;
 use crate::sequential::parameters::{AlarmParameters, PairParameters, SequentialCycles};
-use crate::sequential::samples::Sample;
+use crate::sequential::samples::{Independence, Sample};
 use crate::sequential::statistic::Peak;
-use crate::sequential::thinning::Independence;
 use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Testimony, Verdict};
@@ -229,15 +228,4 @@ impl Sequential {
             self.baseline.reset();
         }
     }
-}
-
-/// Blames whom the evidence is against, where it is enough: the log-likelihood of C1 less that of C2, nats.
-pub(super) fn decide(alarm: &mut Alarm, by: Testimony, evidence: Option<f64>, enough: f64) {
-    alarm.evidence = evidence;
-    alarm.suspect = match evidence {
-        Some(nats) if nats > enough => Suspect::C1,
-        Some(nats) if nats < -enough => Suspect::C2,
-        _ => Suspect::Undecided,
-    };
-    alarm.by = (alarm.suspect != Suspect::Undecided).then_some(by);
 }

@@ -1,18 +1,11 @@
 //! Which transducer a displacement belongs to that has outlasted healthy excursions: read at its onset, up to a second ago.
 
 use super::Sequential;
-use super::alarmed::decide;
-use crate::sequential::Pair;
-use crate::sequential::alarm::{Alarm, Cause};
+use crate::sequential::alarm::{Alarm, Cause, decide};
 use crate::sequential::excursions::{AlarmWindow, Beginning, find};
 use crate::verdict::{Fault, Suspect, Testimony};
 
 impl Sequential {
-    /// What compares both readings with the command, where a calibration has fitted a drive.
-    pub const fn pair(&self) -> Option<&Pair> {
-        self.pair.as_ref()
-    }
-
     /// Compares the readings at the onset of a new `alarm` that has no suspect yet.
     pub(super) fn locate(&self, alarm: &mut Alarm) {
         let (Some(limits), Some(pair)) = (&self.design.excursions, &self.pair) else { return };

@@ -3,6 +3,7 @@ use crate::sequential::dwell::StopReadings;
 use crate::sequential::statistic::INDEPENDENT;
 use crate::sequential::stops::{Blame, Course, Judgement};
 use crate::time::Span;
+use crate::verdict::{Fault, Suspect, Testimony};
 
 const SAMPLE_TIME: f64 = 0.02;
 

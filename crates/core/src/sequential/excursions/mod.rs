@@ -7,78 +7,21 @@
 //! may become (`sums`) follows from the rate, the sizes and the lengths of the excursions that a recording has shown, by
 //! computation. What exceeds such a limit is a fault.
 
+mod filled;
+mod limits;
 mod onset;
 mod runs;
 mod sums;
 
+pub use limits::{BOXES, CLIPS, ExcursionLimits, STRAYS};
 pub use onset::{AlarmWindow, Beginning, Onset, displaced, find, student};
-pub use runs::{BOXES, STRAYS};
-pub use sums::{CLIPS, OFF};
+pub use sums::OFF;
 
 use super::samples::Sample;
 use super::statistic::{Peak, larger};
-use super::windows::WIDTHS;
 use crate::state::state;
 use runs::Runs;
 use sums::WindowSums;
-
-/// Limits of one cylinder, each of which a healthy one exceeds less often than wanted.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExcursionLimits {
-    /// Evidence of a value that is at its limit, nats: that of the wanted rate.
-    pub level: f64,
-    /// Standard deviation of C1 − C2 at rest, outside of excursions, m.
-    pub rest: f64,
-    /// Longest excursion, samples.
-    pub longest: u16,
-    /// Lower and upper end of each box of |C1 − C2|, m.
-    pub boxes: [[f64; 2]; BOXES],
-    /// Samples in a row in each box, with 0, 1 and 2 strays; `None` where no run is too long.
-    pub runs: [[Option<u16>; STRAYS]; BOXES],
-    /// Values beyond which a sample counts no more, m, in ascending order.
-    pub clips: [f64; CLIPS],
-    /// Sums of the weighted, clipped residual, m, for each clip and each of [`WIDTHS`].
-    pub sums: [[f64; WIDTHS.len()]; CLIPS],
-    /// Sums of its square, clipped by the first clip, m².
-    pub squares: [f64; WIDTHS.len()],
-    /// Numbers of samples that are off, and elsewhere than the one before.
-    pub elsewhere: [f64; WIDTHS.len()],
-}
-
-/// From the lower end of one box to that of the next, m: a box is about four times as wide, so that a displacement is in three or four.
-const SPACING: f64 = 1.25e-4;
-
-impl ExcursionLimits {
-    /// The boxes of which the `first` begins at this difference, m, and that have this `width`, m; the last one has no upper end.
-    pub fn boxes(first: f64, width: f64) -> [[f64; 2]; BOXES] {
-        let low = |index: usize| first + SPACING * index as f64;
-        core::array::from_fn(|index| {
-            [low(index), if index + 1 == BOXES { f64::INFINITY } else { low(index) + width }]
-        })
-    }
-}
-
-/// Evidence of the newest samples, as a part of what is too much.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Filled {
-    /// 1 at the limit.
-    part: f64,
-    /// Samples that it is from.
-    width: usize,
-}
-
-impl Filled {
-    #[inline]
-    fn raise(&mut self, part: f64, width: usize) {
-        if part > self.part {
-            *self = Self { part, width };
-        }
-    }
-
-    const fn peak(self, level: f64) -> Peak {
-        Peak { nats: self.part * level, width: self.width }
-    }
-}
 
 /// The detector of what no healthy excursions explain.
 #[derive(Clone, Debug)]
@@ -130,6 +73,7 @@ fn known(sample: &Sample) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::windows::WIDTHS;
     use super::*;
 
     /// Limits of a cylinder with excursions of 0.44 mm and ten samples, in 6 of 10,000 samples and direction.

@@ -3,14 +3,9 @@
 //! For each of some levels there is a box around it. A step of any size fills one of them for as long as it lasts, a healthy
 //! difference as long as an excursion, or two one after the other, which begin and end to the sample.
 
-use super::{ExcursionLimits, Filled};
+use super::filled::Filled;
+use super::limits::{BOXES, ExcursionLimits, STRAYS};
 use crate::state::state;
-
-/// Number of boxes: from 0.28 mm on every eighth of a millimetre.
-pub const BOXES: usize = 13;
-
-/// Strays, samples of a run outside of its box, that are looked for: none, one, two.
-pub const STRAYS: usize = 3;
 
 /// Runs in either direction.
 const SIDES: usize = 2;

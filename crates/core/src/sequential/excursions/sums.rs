@@ -1,11 +1,9 @@
 //! Sums of the newest samples, of which none may be too large.
 
-use super::{ExcursionLimits, Filled};
+use super::filled::Filled;
+use super::limits::{CLIPS, ExcursionLimits};
 use crate::sequential::windows::{Sums, WIDTHS};
-use crate::state::{state, whole};
-
-/// Number of clips: in the first windows a sample counts as much as noise, in the others as much as one or two excursions.
-pub const CLIPS: usize = 3;
+use crate::state::state;
 
 /// Values that are summed: the residual by each clip, its square, and whether it is off and elsewhere than the one before.
 const VALUES: usize = CLIPS + 2;
@@ -34,8 +32,6 @@ pub struct WindowSums {
     age: u32,
     wide: [Filled; 2],
 }
-
-whole! { Filled { part, width } }
 
 state! {
     WindowSums { sums, before, age, wide }

@@ -1,7 +1,9 @@
 //! How the command moves the rod.
 
-use crate::sequential::drive::MOST_PHASES;
 use crate::time;
+
+/// Cycles of a step at the most, at 100 Hz.
+pub const MOST_PHASES: usize = 2;
 
 /// The numbers of the drive ([`crate::sequential::drive`]). A calibration fits its coefficients to them.
 #[derive(Clone, Debug, PartialEq)]

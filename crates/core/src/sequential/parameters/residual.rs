@@ -1,7 +1,9 @@
 //! From readings to residuals, and which of them count.
 
-use crate::sequential::motion::MOST_CYCLES;
 use crate::time::{self, Decay};
+
+/// Displacements are over no more cycles: those of [`ResidualParameters::motion`] up to 160 Hz.
+pub const MOST_CYCLES: usize = 32;
 
 /// The numbers by which readings become residuals.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Readings by day: the dwells of a day share the same weather and are one reading.
 
-use super::StopParameters;
+use super::parameters::StopParameters;
 use crate::sequential::dwell::StopReadings;
 use alloc::vec::Vec;
 

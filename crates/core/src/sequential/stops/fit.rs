@@ -1,6 +1,6 @@
 //! Least squares with prior knowledge of the coefficients.
 
-use super::StopParameters;
+use super::parameters::{Scatter, StopParameters};
 
 /// Fit whose first two coefficients are of interest: a constant, and the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,15 +11,6 @@ pub(super) struct Fit {
     pub variance: f64,
     /// Variance of the readings, m², as if they were independent.
     pub scatter: f64,
-}
-
-/// How readings scatter about a fit, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scatter {
-    /// What is expected, weighing as much as [`StopParameters::expected`] readings.
-    pub usual: f64,
-    /// Least scatter.
-    pub least: f64,
 }
 
 const P: &StopParameters = &StopParameters::DEFAULT;

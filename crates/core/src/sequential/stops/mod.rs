@@ -20,8 +20,7 @@ use super::history::DwellHistory;
 use alloc::vec::Vec;
 pub use days::Day;
 pub(super) use days::put;
-pub use fit::Scatter;
-pub use parameters::StopParameters;
+pub use parameters::{Scatter, StopParameters};
 pub use rule::{Blame, Course, Judgement};
 
 /// Judgement of each cylinder from the dwells of a machine; `None` where too little was read.

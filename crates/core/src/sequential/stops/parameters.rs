@@ -1,7 +1,5 @@
 //! What the mechanical stops are read and judged by.
 
-use super::fit::Scatter;
-
 const MILLIMETRE: f64 = 1e-3;
 
 /// The numbers by which the stops of a machine tell a drift. Times are those of the calendar, and no cycle
@@ -129,4 +127,13 @@ impl StopParameters {
         cylinders: 4,
         first_days: 3,
     };
+}
+
+/// How readings scatter about a fit, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// What is expected, weighing as much as [`StopParameters::expected`] readings.
+    pub usual: f64,
+    /// Least scatter.
+    pub least: f64,
 }

@@ -2,9 +2,9 @@
 //! transducer, and the machine's common part. An only transducer is judged by its own trend less that
 //! part, beyond what stops wear.
 
-use super::StopParameters;
 use super::days::Day;
 use super::fit::{Fit, fit, likelihood};
+use super::parameters::StopParameters;
 use super::thermometer::Thermometer;
 use crate::sequential::dwell::StopReadings;
 use alloc::vec::Vec;

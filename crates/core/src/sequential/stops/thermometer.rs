@@ -1,8 +1,8 @@
 //! The machine's temperature, which all transducers show more or less alike, from the other
 //! cylinders.
 
-use super::StopParameters;
 use super::days::Day;
+use super::parameters::StopParameters;
 use crate::sequential::dwell::StopReadings;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
