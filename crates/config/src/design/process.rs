@@ -9,8 +9,9 @@ use crate::settings::{
 use tertius_core::alarm::Deadlines;
 use tertius_core::process::curve::knot;
 use tertius_core::process::flow::FlowWeighing;
-use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
+use tertius_core::process::flow::directions::{HALF, upper};
 use tertius_core::process::friction::FrictionWeighing;
+use tertius_core::process::parameters::DIRECTIONS;
 use tertius_core::process::{
     ChambersDesign, Curve, FlowDesign, FrictionDesign, ProcessDesign, ProcessParameters,
     SpoolDesign, SupplyDesign, SupplyRelation,

@@ -1,6 +1,5 @@
 //! The gateway's own messages: one table, from which identifiers, queues and the share of the bus follow.
 
-use super::services::Service;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::{Span, Timestamp};
 
@@ -83,6 +82,22 @@ impl Sending {
             Self::Events | Self::Cycles => None,
         }
     }
+}
+
+/// A CANopen service by which the gateway sends beside its TPDOs. The numbers are the COB-IDs of
+/// the predefined connection set, to which the node number is added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Service {
+    /// EMCY, the emergency message.
+    Emergency = 0x080,
+    /// The answers of the SDO server.
+    Answer = 0x580,
+    /// Boot-up and heartbeat.
+    Heartbeat = 0x700,
+}
+
+impl Service {
+    pub const ALL: [Self; 3] = [Self::Emergency, Self::Answer, Self::Heartbeat];
 }
 
 /// What a frame of the gateway is.

@@ -1,24 +1,8 @@
 //! The frames of the gateway's CANopen services: EMCY, the answers of its SDO server, and heartbeat.
 
-use super::own::{NODES, OwnContent, OwnFrame};
+use super::own::{NODES, OwnContent, OwnFrame, Service};
 use crate::frame::Id;
 use crate::time::Timestamp;
-
-/// A CANopen service by which the gateway sends beside its TPDOs. The numbers are the COB-IDs of
-/// the predefined connection set, to which the node number is added.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Service {
-    /// EMCY, the emergency message.
-    Emergency = 0x080,
-    /// The answers of the SDO server.
-    Answer = 0x580,
-    /// Boot-up and heartbeat.
-    Heartbeat = 0x700,
-}
-
-impl Service {
-    pub const ALL: [Self; 3] = [Self::Emergency, Self::Answer, Self::Heartbeat];
-}
 
 /// The further identifiers that the gateway sends as a CANopen node, in the order of
 /// [`Service::ALL`]; `None` unless `node` is 1 to 127.

@@ -10,7 +10,7 @@
 //! in both innovations, since both observers get the same command, while a fault is only in its
 //! own.
 
-use super::BlameParameters;
+use super::parameters::BlameParameters;
 use crate::sample::Transducer;
 use crate::state::whole;
 use crate::verdict::VerdictParameters;

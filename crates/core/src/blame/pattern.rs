@@ -3,7 +3,8 @@
 //! Detectors that are raised within a fraction of a second see one event. The proposal follows from those that are, and then
 //! stays: an observer follows a fault within a few samples, so that what it shows later says nothing of this one.
 
-use super::{Accuser, Blamed, Rule, suspect_of};
+use super::proposal::{Accuser, Blamed, suspect_of};
+use super::rule::Rule;
 use crate::sample::Transducer;
 use crate::state::state;
 use crate::time::{Span, Timestamp};

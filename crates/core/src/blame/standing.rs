@@ -4,7 +4,8 @@
 //! controller uses the reading that stands, the observer of the healthy one disagrees first, and Figure 5-17 would blame that
 //! one. Every detector that is raised while a reading stands therefore keeps which one it is, until its warning clears.
 
-use super::{Accuser, BlameParameters};
+use super::parameters::BlameParameters;
+use super::proposal::Accuser;
 use crate::sample::Transducer;
 use crate::state::{state, whole};
 use crate::verdict::Fault;

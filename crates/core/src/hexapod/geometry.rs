@@ -1,6 +1,6 @@
 //! Positions of the gimbals.
 
-use super::{KinematicsError, LEGS, Pose, inverse};
+use super::{KinematicsError, LEGS, Pose};
 use core::f64::consts::TAU;
 use nalgebra::Vector3;
 
@@ -97,16 +97,5 @@ impl Hexapod {
                 reach: self.reach,
             }),
         }
-    }
-
-    /// the strokes that hold the deck at `top` over a base at `base`, both poses in the
-    /// same frame, m.
-    ///
-    /// # Errors
-    /// A cylinder does not reach that far.
-    pub fn inverse(&self, base: &Pose, top: &Pose) -> Result<[f64; LEGS], KinematicsError> {
-        let strokes = inverse::Legs::new(self, base, top).strokes(self);
-        self.check(&strokes)?;
-        Ok(strokes)
     }
 }

@@ -1,6 +1,6 @@
 //! Lengths and velocities of the cylinders from poses (section A-1).
 
-use super::{Hexapod, LEGS, Pose, PoseRate};
+use super::{Hexapod, KinematicsError, LEGS, Pose, PoseRate};
 use nalgebra::{SMatrix, Vector3};
 
 /// The legs between a base and a deck, in the frame in which both poses are given.
@@ -13,6 +13,19 @@ pub struct Legs {
     /// R̄ b, R̄ t of and: from each frame's origin to its gimbals, m.
     pub base_arms: [Vector3<f64>; LEGS],
     pub top_arms: [Vector3<f64>; LEGS],
+}
+
+impl Hexapod {
+    /// the strokes that hold the deck at `top` over a base at `base`, both poses in the
+    /// same frame, m.
+    ///
+    /// # Errors
+    /// A cylinder does not reach that far.
+    pub fn inverse(&self, base: &Pose, top: &Pose) -> Result<[f64; LEGS], KinematicsError> {
+        let strokes = Legs::new(self, base, top).strokes(self);
+        self.check(&strokes)?;
+        Ok(strokes)
+    }
 }
 
 impl Legs {

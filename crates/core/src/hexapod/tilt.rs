@@ -25,7 +25,7 @@ use crate::state::{state, whole};
 use crate::time;
 use comparison::{Comparison, are_finite, inclination, up};
 use core::f64::consts::FRAC_PI_2;
-use departure::{Departure, Found};
+use departure::{Departure, Found, fit};
 pub use departure::{TiltChange, TiltError};
 use explanation::evidence;
 use healthy::Healthy;
@@ -361,6 +361,60 @@ impl Tilt {
             return [None; LEGS];
         };
         evidence(&off, &inverse, &since.tilts, self.parameters.beside)
+    }
+}
+
+impl Tilt {
+    /// Judges whether the tilt has departed from the usual one, and which single transducer explains that.
+    fn judge_single(
+        &mut self,
+        found: &Comparison,
+        legs: &[TiltLeg; LEGS],
+        share: f64,
+        cycles: u32,
+    ) -> Option<TiltChange> {
+        let by = self.parameters;
+        let healthy = self.healthy.filter(|it| it.measured >= by.taught)?;
+        let mean = self.mean.filter(|it| it.age >= self.counts.settled)?;
+        let off = Vector2::new(mean.tilt[0] - healthy.tilt[0], mean.tilt[1] - healthy.tilt[1]);
+        let mut tilts = [None; LEGS];
+        tilts[0] = Some(off.into());
+        // However long it stands, a tilt that is off does not become the usual one.
+        let inverse = healthy.inverse(self.accuracy, &tilts, 0.0, by)?;
+        if fit(&off, &inverse) < by.departed * by.departed {
+            self.departure = None;
+            return self.calm(cycles);
+        }
+        self.found.iter_mut().for_each(|it| it.calm = 0);
+        let slopes = found.slopes(&self.hexapod)?;
+        let departure = self.departure.get_or_insert(Departure::new(slopes));
+        departure.follow(&slopes, share, cycles);
+        if self.found.is_none() && departure.cycles > self.counts.undecided {
+            // No transducer explains it, so it is the sensor or the machine: the usual tilt is learnt anew.
+            self.forget();
+            return None;
+        }
+        let since = f64::from(departure.cycles) * self.counts.sample_time;
+        // The usual tilt is no longer followed, and the sensor's error of then comes to count as well: without it a drift of
+        // 0.05 mm/s named a healthy cylinder.
+        let accuracy = self.accuracy * libm::sqrt(1.0 + (since / by.healthy).min(1.0));
+        let inverse = healthy.inverse(accuracy, &tilts, since, by)?;
+        let single = legs.map(|leg| leg.is_single);
+        let explained = departure.explain(&off, &inverse, single, since, by);
+        let lasted = departure.last(explained.map(|it| it.leg), cycles);
+        let error = explained.filter(|_| lasted >= self.counts.confirmed)?;
+        // A second one beside it would turn the direction: the first one stays.
+        let found = self.found.get_or_insert(Found { leg: error.leg, calm: 0 });
+        (found.leg == error.leg).then_some(TiltChange::Moved(error))
+    }
+
+    /// Takes that the tilt is the usual one.
+    fn calm(&mut self, cycles: u32) -> Option<TiltChange> {
+        let found = self.found.as_mut()?;
+        found.calm = found.calm.saturating_add(cycles).min(u32::MAX - 1);
+        let returned = (found.calm >= self.counts.confirmed).then_some(found.leg)?;
+        self.found = None;
+        Some(TiltChange::Returned(returned))
     }
 }
 

@@ -1,6 +1,5 @@
 //! The process detector of one cylinder.
 
-mod forgetting;
 mod standing;
 
 use super::alarm::{Malfunction, ProcessAlarm};
@@ -367,6 +366,39 @@ impl Process {
         let is_known = alarm.malfunction != Malfunction::Unclassified;
         if let Some((malfunction, size)) = flow.malfunction(alarm.age, is_known) {
             (alarm.malfunction, alarm.size) = (malfunction, size);
+        }
+    }
+
+    fn forget(&mut self) {
+        self.forget_cycles();
+        self.forget_flow();
+        self.forget_friction();
+    }
+
+    fn forget_cycles(&mut self) {
+        self.of_spool.clear();
+        self.of_chambers.clear();
+        self.trace.clear();
+    }
+
+    fn forget_flow(&mut self) {
+        if let Some(flow) = &mut self.flow {
+            flow.forget();
+        }
+    }
+
+    fn forget_friction(&mut self) {
+        if let Some(friction) = &mut self.friction {
+            friction.forget();
+        }
+    }
+
+    /// Forgets what long windows still have of a fault that is over: it would raise its alarm again.
+    fn forget_ended(&mut self, which: Relation) {
+        match (which, &mut self.flow, &mut self.friction) {
+            (Relation::Flow, Some(flow), _) => flow.forget_evidence(),
+            (Relation::Friction, _, Some(friction)) => friction.forget_evidence(),
+            _ => {}
         }
     }
 }

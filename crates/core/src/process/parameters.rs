@@ -1,7 +1,9 @@
 //! What the process detectors judge by: every number of the family, with its unit and source.
 
-use super::flow::directions::DIRECTIONS;
 use crate::time;
+
+/// Number of directions.
+pub const DIRECTIONS: usize = 6;
 
 /// All of them. Those without a source were chosen on simulated machines (docs/PROCESS.md).
 #[derive(Clone, Debug, PartialEq)]

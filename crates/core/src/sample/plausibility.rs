@@ -2,40 +2,20 @@
 //! out of range, frozen.
 
 mod drive;
+mod limits;
+mod moment;
 mod stillness;
 mod unnamed;
 
 use super::device::DeviceWord;
-use super::motion::ReadingMotion;
 use super::quality::Quality;
 use super::reading::Reading;
-use crate::state::{choice, state, whole};
-use alloc::vec::Vec;
+use crate::state::{state, whole};
 use drive::CommandWay;
+pub use limits::PlausibilityLimits;
+pub use moment::{Moment, Other, Push};
 use stillness::Stillness;
 use unnamed::UnnamedBits;
-
-/// Limits of plausible readings.
-#[derive(Clone, Debug)]
-pub struct PlausibilityLimits {
-    /// Cycles without a new reading after which it is stale.
-    pub stale: u32,
-    /// Raw codes of a broken wire.
-    pub broken_wire_codes: Vec<i64>,
-    /// Status bits of a broken wire.
-    pub status_mask: u64,
-    /// Range of valid raw codes, inclusive.
-    pub codes: Option<(i64, i64)>,
-    /// Range of valid lengths, inclusive, m.
-    pub lengths: (f64, f64),
-    /// Cycles of an exactly constant reading under a moving command after which it is frozen.
-    pub frozen: u32,
-    /// Distance that the other transducer has to move meanwhile, m.
-    pub travel: f64,
-    /// Way that the command has to go meanwhile where no other transducer is a witness: the integral of the command
-    /// over time, m.
-    pub driven: f64,
-}
 
 /// Factor on [`PlausibilityLimits::frozen`] where no other transducer is a witness: friction holds the rod
 /// where a slow stroke turns.
@@ -52,59 +32,8 @@ const LEFT_STANDING: f64 = 0.25;
 /// stood still, places find their cycle anew within five.
 const SPARED: u32 = 10;
 
-/// Direction in which a command moves the cylinder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Push {
-    Positive,
-    Negative,
-}
-
-choice! { Push { Positive, Negative } }
-
-impl Push {
-    /// Direction of a command, m/s; `None` where it does not exceed `least`.
-    pub fn of(command: f64, least: f64) -> Option<Self> {
-        let push = if command > 0.0 { Self::Positive } else { Self::Negative };
-        (command.abs() > least).then_some(push)
-    }
-}
-
 /// No length: nothing is known of where the rod has been, lowest and highest.
 pub const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
-
-/// The other transducer of the cylinder.
-#[derive(Clone, Copy, Debug)]
-pub struct Other {
-    /// Position, m.
-    pub position: f64,
-    /// Whether it is in motion, see [`ReadingMotion::goes_on`].
-    pub goes_on: bool,
-}
-
-impl Other {
-    /// The other transducer at `position`, m, whose `motion` was followed up to it.
-    #[cold]
-    pub fn new(position: f64, motion: &ReadingMotion) -> Self {
-        Self { position, goes_on: motion.goes_on() }
-    }
-}
-
-/// Circumstances of a cycle beside the reading.
-#[derive(Clone, Copy, Debug)]
-pub struct Moment {
-    /// Whether anything of the machine was on the bus in this cycle. In silence nothing ages: a
-    /// quiet bus is not the fault of a transducer.
-    pub live: bool,
-    /// Direction in which the command since the last cycle moves the cylinder, in a platform state
-    /// in which it follows; `None` if it does not move it.
-    pub push: Option<Push>,
-    /// Way of that command in one cycle, m, signed.
-    pub way: f64,
-    /// Lowest and highest length that the rod has had in health, m.
-    pub been: [f64; 2],
-    /// The other transducer in this cycle; `None` where it cannot be relied on.
-    pub other: Option<Other>,
-}
 
 /// Cycles in a row without a reading.
 #[derive(Clone, Copy, Debug, Default)]

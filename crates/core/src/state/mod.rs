@@ -21,15 +21,16 @@
 //! Whatever the bytes are, reading gives an error or a value with which nothing panics: `sound` has the conditions
 //! for that. Counts are refused from [`MOST_COUNTED`] on, so that adding to them does not overflow.
 
+mod error;
 mod macros;
 mod stream;
 #[cfg(test)]
 mod tests;
 mod values;
 
+pub use error::StateError;
 pub(crate) use macros::{choice, state, whole};
 pub use stream::{StateReader, StateWriter};
-use thiserror::Error;
 pub use values::MOST_COUNTED;
 
 /// A value with state, which is saved, and taken up by another value of the same design.
@@ -84,19 +85,6 @@ pub trait Bits: Sized {
     /// # Errors
     /// The bytes end.
     fn read_bits(from: &mut StateReader<'_>) -> Result<Self, StateError>;
-}
-
-/// Why bytes are not the state of a monitor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub enum StateError {
-    #[error("it ends too early")]
-    Short,
-    #[error("it goes on after its end")]
-    Long,
-    #[error("it has a {what} that no monitor can have")]
-    Unsound { what: &'static str },
-    #[error("it is of a monitor with another number of {what}")]
-    Parts { what: &'static str },
 }
 
 /// Fingerprint of a name.

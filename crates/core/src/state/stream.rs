@@ -1,6 +1,6 @@
 //! Bytes of a state, written and read in order.
 
-use super::StateError;
+use super::error::StateError;
 use alloc::vec::Vec;
 
 /// Collects the bytes of a state.

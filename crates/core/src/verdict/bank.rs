@@ -1,14 +1,14 @@
 //! The bank of fault detection estimators of one cylinder (Figure 5-17), which judges its
 //! residuals.
 
-use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, classify_difference};
+use super::Verdict;
+use super::fault::{Fault, Signatures, classify_difference};
 use super::history::ResidualHistory;
 use super::jump::Jump;
-use super::parameters::{VerdictCycles, VerdictParameters};
+use super::parameters::{LONGEST_DIFFERENCES, LONGEST_WINDOW, VerdictCycles, VerdictParameters};
 use super::persistence::{Persistence, ResidualSample};
-use super::trigger::{Raise, Thresholds, Trigger};
+use super::trigger::{FdeState, Raise, Thresholds, Trigger};
 use super::unaligned::Unaligned;
-use super::{FdeState, Verdict};
 use crate::state::{state, whole};
 use crate::time::Timestamp;
 

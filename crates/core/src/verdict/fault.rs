@@ -4,16 +4,10 @@
 //! newest residuals are compared with both signatures at every onset within the window; the one
 //! that explains most of their energy names the fault, and what neither explains is noise.
 
-use super::parameters::{VerdictCycles, VerdictParameters};
+use super::parameters::{LONGEST_DIFFERENCES, LONGEST_WINDOW, VerdictCycles, VerdictParameters};
 use crate::observe::observer::ObserverDesign;
 use crate::state::choice;
 use nalgebra::{Vector2, Vector3};
-
-/// Residuals R1 or R2 that are kept: those of [`VerdictParameters::window`] up to 100 Hz.
-pub const LONGEST_WINDOW: usize = 32;
-
-/// Residuals R3 that are kept: those of [`VerdictParameters::differences`] up to 100 Hz.
-pub const LONGEST_DIFFERENCES: usize = 128;
 
 /// Kinds of faults of Table 5-1, of the plausibility checks and of the process detectors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

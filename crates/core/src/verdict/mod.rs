@@ -17,7 +17,7 @@ pub use jump::Jump;
 pub use parameters::VerdictParameters;
 pub use persistence::LONGEST_WAIT;
 pub use suspect::{Suspect, Testimony};
-pub use trigger::{Raise, Thresholds, Trigger};
+pub use trigger::{FdeState, Raise, Thresholds, Trigger};
 
 /// Verdict of a detector on its residual. Unknown is a verdict of its own: without evidence nothing
 /// is healthy.
@@ -30,10 +30,3 @@ pub enum Verdict {
 }
 
 choice! { Verdict { Unknown, Healthy, Faulty } }
-
-/// An FDE as the others see it.
-#[derive(Clone, Copy, Debug)]
-pub struct FdeState {
-    pub verdict: Verdict,
-    pub raised: Option<Raise>,
-}

@@ -1,7 +1,12 @@
 //! What the fault detection estimators classify by, beside the thresholds, which are configured.
 
-use super::fault::{LONGEST_DIFFERENCES, LONGEST_WINDOW};
 use crate::time;
+
+/// Residuals R1 or R2 that are kept: those of [`VerdictParameters::window`] up to 100 Hz.
+pub const LONGEST_WINDOW: usize = 32;
+
+/// Residuals R3 that are kept: those of [`VerdictParameters::differences`] up to 100 Hz.
+pub const LONGEST_DIFFERENCES: usize = 128;
 
 /// The numbers of the classification (Table 5-1). Times are in seconds; a kind is told from samples, so
 /// that below 50 Hz each of them is as many as at 50 Hz ([`time::samples`]).

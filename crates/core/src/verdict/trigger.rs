@@ -120,6 +120,13 @@ impl Trigger {
     }
 }
 
+/// An FDE as the others see it.
+#[derive(Clone, Copy, Debug)]
+pub struct FdeState {
+    pub verdict: Verdict,
+    pub raised: Option<Raise>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,8 +4,8 @@
 //! calibration a difference that was there at the first comparison says nothing of either of them. What it grows by
 //! afterwards does.
 
-use super::trigger::{Raise, Thresholds, Trigger};
-use super::{FdeState, Verdict};
+use super::Verdict;
+use super::trigger::{FdeState, Raise, Thresholds, Trigger};
 use crate::state::state;
 use crate::time::Timestamp;
 

@@ -4,10 +4,11 @@ use super::rows::ProcessRow;
 use super::{LEAST_TIME, ProcessRefusal, enough, long_run, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::{FlowTable, ValveCurve};
-use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
+use tertius_core::process::flow::directions::{HALF, upper};
 use tertius_core::process::flow::{
     self, Flow, FlowBlock, FlowWeighing, FlowWindows, Passage, block_cycles,
 };
+use tertius_core::process::parameters::DIRECTIONS;
 use tertius_core::process::{Curve, FlowDesign, FlowSample, ProcessParameters, curve};
 
 /// Pieces of f.

@@ -1,11 +1,8 @@
 //! The ways in which faults of the hydraulics move a rod.
 
 use super::super::curve::{Curve, PiecePart};
-use super::super::parameters::ProcessParameters;
-use super::Passage;
-
-/// Number of directions.
-pub const DIRECTIONS: usize = 6;
+use super::super::parameters::{DIRECTIONS, ProcessParameters};
+use super::passage::Passage;
 
 /// Places in the upper half of a symmetric matrix of them.
 pub const HALF: usize = DIRECTIONS * (DIRECTIONS + 1) / 2;

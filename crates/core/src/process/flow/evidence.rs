@@ -6,8 +6,8 @@
 //! same: what only one of them says is its own.
 
 use super::super::evidence::{RESTART, in_turn};
-use super::super::parameters::ProcessParameters;
-use super::directions::{CANDIDATES, DIRECTIONS, Direction, FAULTS, HALF, upper};
+use super::super::parameters::{DIRECTIONS, ProcessParameters};
+use super::directions::{CANDIDATES, Direction, FAULTS, HALF, upper};
 use super::{FlowBlock, FlowDesign};
 use crate::sequential::statistic::Peak;
 use crate::sequential::windows::Sums;

@@ -8,9 +8,9 @@
 //! then by a Kalman filter whose unknowns walk at random. With M what is left of the mean beside it since then,
 //! and V its variance, the log-likelihood of C1 less that of C2 is M d / V.
 
+use super::super::parameters::DIRECTIONS;
 use super::super::parameters::{ProcessParameters, SideParameters};
 use super::FlowBlock;
-use super::directions::DIRECTIONS;
 use crate::state::{state, whole};
 
 const P: &SideParameters = &ProcessParameters::DEFAULT.side;

@@ -139,10 +139,10 @@ impl FlowWatch {
 
 #[cfg(test)]
 mod tests {
-    use super::super::directions::DIRECTIONS;
     use super::super::{FlowBlock, FlowDesign};
     use super::*;
     use crate::process::Curve;
+    use crate::process::parameters::DIRECTIONS;
     use alloc::vec;
 
     /// The way that a direction adds to a block, m for a size of 1 m/s.

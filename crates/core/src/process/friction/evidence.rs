@@ -7,7 +7,7 @@
 
 use super::super::evidence::{RESTART, in_turn};
 use super::super::parameters::ProcessParameters;
-use super::{FrictionBlock, FrictionDesign};
+use super::design::{FrictionBlock, FrictionDesign, SCATTERS};
 use crate::sequential::statistic::Peak;
 use crate::sequential::windows::Sums;
 use crate::state::state;
@@ -26,9 +26,6 @@ const BLOCKS: [usize; 5] = [80, 120, 200, 300, 500];
 
 /// Values of a block that are summed: G as far as it is evidence, the whole of G, and the upper half of W.
 const SUMMED: usize = 7;
-
-/// Places in the upper half of Ω.
-pub const SCATTERS: usize = 3;
 
 /// By what evidence is weighed.
 #[derive(Clone, Debug)]

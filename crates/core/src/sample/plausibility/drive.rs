@@ -1,6 +1,6 @@
 //! Where a command would have moved a rod whose reading stands.
 
-use super::Moment;
+use super::moment::Moment;
 use crate::state::whole;
 
 /// Where the command would have moved the rod while the reading was exactly constant. A command at rest in between, as at

@@ -1,6 +1,7 @@
 //! A reading that stands, and what the other one does meanwhile.
 
-use super::{Moment, PlausibilityLimits};
+use super::limits::PlausibilityLimits;
+use super::moment::Moment;
 use crate::state::whole;
 
 /// A change of the other reading by more than this many times [`PlausibilityLimits::travel`] in one cycle is a jump where

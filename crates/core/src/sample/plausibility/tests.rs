@@ -1,4 +1,5 @@
 use super::*;
+use crate::sample::motion::ReadingMotion;
 
 fn limits() -> PlausibilityLimits {
     PlausibilityLimits {
