@@ -11,6 +11,7 @@
 //! pass, the distribution of what is left. Finally the resulting detectors are tried on the
 //! recording: what contradicts them is cut out once, and otherwise reported ([`Contradiction`]).
 
+mod bound;
 mod constancy;
 mod course;
 mod cutting;
@@ -35,6 +36,7 @@ mod trying;
 pub mod watch;
 
 pub use crate::survey::Recording;
+pub use bound::{Bound, LARGEST_BOUND, LEAST_BOUND};
 pub use course::{Calibrated, CalibrationCourse};
 pub use cutting::{Cuts, Cutting};
 pub(crate) use cutting::{are_few, places};
@@ -95,29 +97,4 @@ pub struct CylinderCalibration {
     /// Times that do not look healthy and from which nothing was learnt, s.
     pub left_out: Vec<[f64; 2]>,
     pub remarks: Vec<String>,
-}
-
-/// Bound of R3 in the thesis, m; no smaller one is proposed.
-pub const LEAST_BOUND: f64 = 1.5e-3;
-
-/// Largest bound, as a part of the difference at which the machine itself trips.
-pub const LARGEST_BOUND: f64 = 0.1;
-
-/// Bound of R3.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bound {
-    /// Bound of |R3|, m.
-    pub level: f64,
-    /// Expected number of times a year that [`LEAST_BOUND`] is exceeded, all cylinders together.
-    pub often: f64,
-    /// Number of cylinders to which the bound applies.
-    pub cylinders: usize,
-    /// Expected number of times a year that the bound is exceeded, all cylinders together.
-    pub per_year: f64,
-    /// Largest |R3| of the second part, m.
-    pub worst: f64,
-    /// Time that the bound was made from, all cylinders together, h.
-    pub hours: f64,
-    /// Whether at least one cylinder has a heavy tail.
-    pub heavy: bool,
 }

@@ -1,7 +1,6 @@
 //! The scatter of the difference of two readings from cycle to cycle, whatever its shape along the
 //! stroke.
 
-use super::spreading::quantile;
 use tertius_core::sequential::Magnitudes;
 
 /// Initial width of the bins of magnitudes, m.
@@ -48,6 +47,18 @@ impl Roughness {
     pub(super) fn deviation(&self) -> f64 {
         quantile(&self.magnitudes, PART) / WITHIN
     }
+}
+
+/// The magnitude below which `part` of them are, m; 0 without data.
+pub(super) fn quantile(magnitudes: &Magnitudes, part: f64) -> f64 {
+    let mut left = (part * magnitudes.total() as f64) as u64;
+    for (magnitude, count) in magnitudes.bins() {
+        if count > left {
+            return magnitude;
+        }
+        left -= count;
+    }
+    0.0
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::division::{Division, Halves};
 use super::fitting::Fitted;
 use super::residuals::Residuals;
 use super::resolution::Resolution;
+use super::roughness::quantile;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::{Magnitudes, Noise};
 
@@ -174,18 +175,6 @@ fn line(points: &[(f64, f64, f64)]) -> Option<Noise> {
         variance = if level > 0.0 { [level, slope] } else { [1e-3 * mean, wxy / wxx] };
     }
     Some(Noise { rest: variance[0].sqrt(), timing: variance[1].sqrt() })
-}
-
-/// The magnitude below which `part` of them are, m; 0 without data.
-pub(super) fn quantile(magnitudes: &Magnitudes, part: f64) -> f64 {
-    let mut left = (part * magnitudes.total() as f64) as u64;
-    for (magnitude, count) in magnitudes.bins() {
-        if count > left {
-            return magnitude;
-        }
-        left -= count;
-    }
-    0.0
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! The band of R3 on data from which the calibration was not made.
 
+use super::bound::{Bound, LEAST_BOUND};
 use super::fitting::Fitted;
-use super::{Bound, LEAST_BOUND, Line};
+use super::line::Line;
 use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
 use crate::identify::moments::Spread;
 use crate::survey::{Lull, Row, Surveyor};

@@ -1,9 +1,9 @@
 //! What the pressures of both chambers add up to.
 
 use super::pieces::ends;
+use super::refusal::{LEAST_TIME, ProcessRefusal, enough};
 use super::rows::ProcessRow;
 use super::scatter::{self, Left, Scatter};
-use super::{LEAST_TIME, ProcessRefusal, enough};
 use nalgebra::{SMatrix, SVector};
 use tertius_config::settings::ChambersTable;
 use tertius_core::process::chambers::{TERMS, terms};

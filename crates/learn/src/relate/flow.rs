@@ -1,7 +1,8 @@
 //! How far the oil that passes the valve moves the rod.
 
+use super::refusal::{LEAST_TIME, ProcessRefusal, enough};
 use super::rows::ProcessRow;
-use super::{LEAST_TIME, ProcessRefusal, enough, long_run, pieces};
+use super::{long_run, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::{FlowTable, ValveCurve};
 use tertius_core::process::flow::directions::{HALF, upper};

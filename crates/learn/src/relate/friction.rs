@@ -1,7 +1,8 @@
 //! What pressure it takes to move the rod.
 
+use super::long_run;
+use super::refusal::{LEAST_TIME, ProcessRefusal, enough};
 use super::rows::ProcessRow;
-use super::{LEAST_TIME, ProcessRefusal, enough, long_run};
 use nalgebra::{SMatrix, SVector};
 use tertius_config::settings::FrictionTable;
 use tertius_core::process::friction::{

@@ -1,6 +1,6 @@
 //! The scatter of what a relation leaves, and how much its samples depend on each other.
 
-use super::ProcessRefusal;
+use super::refusal::ProcessRefusal;
 use tertius_core::process::ProcessParameters;
 use tertius_core::process::evidence::WIDEST;
 use tertius_core::process::{EvidenceWindows, Weighing};

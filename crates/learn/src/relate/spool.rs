@@ -1,8 +1,9 @@
 //! Where the spool stands by the command.
 
+use super::pieces;
+use super::refusal::{LEAST_TIME, ProcessRefusal, enough};
 use super::rows::ProcessRow;
 use super::scatter::{self, Left, Scatter};
-use super::{LEAST_TIME, ProcessRefusal, enough, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::SpoolTable;
 use tertius_core::process::{Curve, ProcessParameters, Spool, SpoolDesign, curve};

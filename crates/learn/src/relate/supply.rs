@@ -2,8 +2,8 @@
 
 use super::kept::{Consecutive, Pieces};
 use super::pieces::ends;
+use super::refusal::{LEAST_TIME, ProcessRefusal};
 use super::scatter::{self, Left};
-use super::{LEAST_TIME, ProcessRefusal};
 use crate::survey::{Lull, Ranking, Row, Surveyor};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::{Settings, SupplyTable};

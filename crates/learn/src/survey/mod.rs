@@ -13,10 +13,10 @@ mod row;
 mod timeline;
 mod window;
 
-pub use ranking::{Lull, Ranked, Ranking};
+pub use ranking::{Lull, PAUSE, Ranked, Ranking};
 pub use recording::{Frames, Origin, Recording, Rows};
 pub use row::Row;
-pub use timeline::{LONGEST_PAUSE, PAUSE, Timeline};
+pub use timeline::{LONGEST_PAUSE, Timeline};
 pub use window::Window;
 
 use tertius_core::alarm::status::MAX_CYLINDERS;

@@ -1,9 +1,12 @@
 //! Places in a recording that do not depend on which of its files came first.
 
-use super::timeline::PAUSE;
 use std::sync::Arc;
 use tertius_core::frame::Frame;
-use tertius_core::time::Timestamp;
+use tertius_core::time::{Span, Timestamp};
+
+/// Time without frames that divides a recording, as between two files: long against the seconds of
+/// which only the extremes count. Nothing that is learnt goes on from before it.
+pub const PAUSE: Span = Span::from_nanos(10_000_000_000);
 
 /// A part of a recording without a pause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,13 +1,9 @@
 //! The time scale of learning: the recordings' own time, with long pauses shortened.
 
 use super::Window;
-use super::ranking::{Ranking, Stretch};
+use super::ranking::{PAUSE, Ranking, Stretch};
 use tertius_core::frame::Frame;
 use tertius_core::time::{Span, Timestamp};
-
-/// Time without frames that divides a recording, as between two files: long against the seconds of
-/// which only the extremes count. Nothing that is learnt goes on from before it.
-pub const PAUSE: Span = Span::from_nanos(10_000_000_000);
 
 /// Length to which longer pauses are shortened: nothing is learnt from them, and alternating blocks
 /// must not fall into them.

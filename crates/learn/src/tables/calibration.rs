@@ -1,5 +1,6 @@
 //! A calibration as tables that the configuration reads.
 
+use super::digits::six;
 use super::process;
 use super::provenance::{self, one_line};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND};
@@ -96,12 +97,6 @@ pub fn of(result: &Calibration, version: &str, bounded: bool) -> Option<String> 
         }
     }
     Some(text)
-}
-
-/// A list of numbers with six decimals.
-pub(super) fn six(values: &[f64]) -> String {
-    let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
-    format!("[{}]", texts.join(", "))
 }
 
 fn excursions_table(table: &CylinderExcursions) -> String {

@@ -3,6 +3,7 @@
 
 pub mod calibration;
 pub mod cylinders;
+mod digits;
 pub mod model;
 pub mod nonlinear;
 mod process;

@@ -1,6 +1,6 @@
 //! Flow curve and friction of one cylinder, as the configuration and the plant read them.
 
-use super::calibration::six;
+use super::digits::six;
 use crate::identify::friction::FrictionCurve;
 use crate::identify::nonlinear::Nonlinear;
 use crate::identify::valve::IdentifiedValve;

@@ -1,6 +1,6 @@
 //! The tables of the process detectors, as the configuration reads them.
 
-use super::calibration::six;
+use super::digits::six;
 use std::fmt::Write as _;
 use tertius_config::settings::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,

@@ -25,10 +25,6 @@ const RESPONSE: usize = 25;
 /// Largest δ_l, as a part of δ_h, as in section 5-4-1.
 const HYSTERESIS: f64 = 0.75;
 
-/// Least threshold of joint evidence, that of the thesis, m: below it two fluctuations and an error of the model make it now and
-/// then (in 30 h of simulated seas twice beyond 0.85 mm, never beyond 1 mm).
-pub(super) const LEAST_JOINT: f64 = 1e-3;
-
 /// Further rates that are shown: one an hour, a day, a month, a year, in false alarms a year.
 const LADDER: [f64; 4] = [8766.0, 365.25, 12.0, 1.0];
 

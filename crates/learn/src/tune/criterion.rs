@@ -1,8 +1,8 @@
 //! Score of a set of weights.
 
+use super::model::{CylinderModel, Weights, designs};
 use super::response;
 use super::store::Store;
-use super::{CylinderModel, Weights, designs};
 use crate::extremes::{Maxima, Tail, common_level};
 use tertius_core::observe::observer::ObserverDesign;
 

@@ -1,6 +1,6 @@
 //! A bounded number of stretches of a recording of any length, drawn by what they hold.
 
-use super::store::Cycle;
+use super::cycle::Cycle;
 use crc::{CRC_64_XZ, Crc};
 
 /// Hash of the readings, which is the lot.

@@ -1,8 +1,8 @@
 //! Extremes of the tuned observers' residuals in the whole recording.
 
-use super::CylinderModel;
+use super::cycle::Cycle;
+use super::model::CylinderModel;
 use super::pause::Pause;
-use super::store::Cycle;
 use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
 use crate::survey::{Lull, Row, Surveyor};

@@ -2,8 +2,8 @@
 //! deterministic and needs no derivatives.
 
 use super::criterion::{Criterion, Score};
+use super::model::{CylinderModel, Weights};
 use super::store::Store;
-use super::{CylinderModel, Weights};
 
 /// Step sizes of the search, decades.
 const STEPS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
