@@ -1,6 +1,6 @@
 //! Frames in, frames with faults out.
 
-use super::place::Placed;
+use super::placed::Placed;
 use super::shape::{Code, Reading, Shape, Unrounded, Window};
 use super::tally::Tally;
 use rand::{RngExt, SeedableRng};

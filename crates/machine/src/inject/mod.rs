@@ -20,6 +20,7 @@ mod fault;
 mod injector;
 mod kind;
 mod place;
+mod placed;
 mod service;
 mod shape;
 pub mod table;
@@ -28,7 +29,8 @@ mod tally;
 pub use fault::{Fault, MACHINE, SENSORS, SERVICES, SpecError, Wanted};
 pub use injector::Injector;
 pub use kind::{grammar, machine_grammar};
-pub use place::{PlaceError, Placed, place};
+pub use place::place;
+pub use placed::{PlaceError, Placed};
 pub use shape::{Code, Shape, Unrounded, Window};
 pub use tally::Tally;
 

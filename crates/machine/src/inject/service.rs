@@ -1,7 +1,7 @@
 //! Faults of what CANopen devices say of themselves.
 
 use super::fault::{Fault, SERVICES, Wanted};
-use super::place::{PlaceError, Placed};
+use super::placed::{PlaceError, Placed};
 use super::shape::{Code, Shape};
 use tertius_config::settings::{Device, Role, Settings};
 use tertius_core::decode::{BitField, NumberForm, SignalPlan};

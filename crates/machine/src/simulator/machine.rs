@@ -1,9 +1,9 @@
 //! The machine without its bus.
 
-use super::Options;
 use super::ailing::Ailing;
 use super::disturbance::{Disturbance, Misread};
 use super::load_steps::SteppedLoads;
+use super::options::Options;
 use super::tables::{Gangway, SensorTable, Tables, Thermal};
 use super::top::TopSensor;
 use super::trail::Trail;

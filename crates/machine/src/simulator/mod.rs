@@ -23,6 +23,8 @@ mod disturbance;
 mod layout;
 mod load_steps;
 mod machine;
+mod options;
+mod parsing;
 mod services;
 mod tables;
 mod top;
@@ -35,11 +37,12 @@ pub use disturbance::{Change, Disturbance, Misread, Sampling, Spikes, Sticking};
 pub use layout::LayoutError;
 pub use load_steps::LoadSteps;
 pub use machine::{Machine, MachineError, Sample};
+pub use options::{EPOCH, Options, SUB_STEPS};
 pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables, Thermal};
 pub use top::TopTable;
 
 use crate::controller::{Heard, Measurement, Readings, State, Supervision};
-use crate::inject::{Fault, Injector, Placed, Tally};
+use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
 use layout::{Layout, SendPhase};
@@ -49,29 +52,6 @@ use tertius_core::decode::SignalPlan;
 use tertius_core::frame::Frame;
 use tertius_core::time::{Span, Timestamp};
 use tertius_dbc::Database;
-
-/// Default opening of the first cycle: 14 November 2023, 22:13:20 UTC.
-pub const EPOCH: Timestamp = Timestamp::from_nanos(1_700_000_000_000_000_000);
-
-/// Options of a simulation beside its tables.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    pub seed: u64,
-    /// Significant wave height, m, and peak period, s; `None`: those of the table.
-    pub sea: Option<[f64; 2]>,
-    /// State in which the machine starts.
-    pub start: State,
-    /// Number of sub-steps of the plant in a sample.
-    pub sub_steps: u32,
-    /// Whether the controller reads C1 with its faults.
-    pub in_loop: bool,
-    /// Faults of readings.
-    pub faults: Vec<Placed>,
-    /// Faults of the machine itself; others among them do nothing.
-    pub ailments: Vec<Fault>,
-    /// Opening of the first cycle.
-    pub epoch: Timestamp,
-}
 
 /// Times between the readings of the transducers of `settings` that send by timers of their own, s.
 fn timers(settings: &Settings, database: &Database) -> [[f64; 2]; CYLINDERS] {
@@ -86,24 +66,6 @@ fn timers(settings: &Settings, database: &Database) -> [[f64; 2]; CYLINDERS] {
         }
     }
     timers
-}
-
-/// Default number of sub-steps in a sample of 20 ms: 2 ms each.
-pub const SUB_STEPS: u32 = 10;
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            seed: 0,
-            sea: None,
-            start: State::Engaged,
-            sub_steps: SUB_STEPS,
-            in_loop: false,
-            faults: Vec::new(),
-            ailments: Vec::new(),
-            epoch: EPOCH,
-        }
-    }
 }
 
 /// Why a simulation cannot be made.

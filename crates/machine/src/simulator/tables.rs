@@ -1,14 +1,13 @@
 //! The tables that describe a simulated machine: `config/e-type-plant.toml`.
 
 use super::beside::SignalTable;
-use super::check;
 use super::disturbance::Disturbance;
 use super::top::TopTable;
 use crate::controller::ControllerTable;
 use crate::hexapod::Geometry;
 use crate::plant::{
-    self, CYLINDERS, Chambers, CylinderTable, Friction, Identified, Parameters, Spread,
-    SupplyTable, ValveTable,
+    CYLINDERS, Chambers, CylinderTable, Friction, Identified, Parameters, Spread, SupplyTable,
+    ValveTable,
 };
 use crate::sea::Vessel;
 use crate::transducer::{Common, Errors};
@@ -16,9 +15,6 @@ use serde::Deserialize;
 
 /// The longest text of tables, bytes.
 pub const MAX_TEXT: usize = 1 << 20;
-
-/// Text of the default tables, `config/e-type-plant.toml`.
-const DEFAULT: &str = include_str!("../../../../config/e-type-plant.toml");
 
 /// All tables of a simulated machine.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -164,41 +160,6 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key is required except `[chambers]`, `[thermal]`, `[signals]`, `[disturbance]`,
-    /// ripple, warming, speed_lag, the gangway's length, and of the sensors spool, spool_full, valve_age and top.
-    ///
-    /// # Errors
-    /// The first thing wrong with them.
-    pub fn parse(text: &str) -> Result<Self, TableError> {
-        if text.len() > MAX_TEXT {
-            return Err(TableError::TooLong);
-        }
-        let tables: Self =
-            toml::from_str(text).map_err(|error| TableError::Form(error.to_string()))?;
-        check::ranges(&tables)?;
-        Ok(tables)
-    }
-
-    /// These tables with the valves and the friction in `text`, which `identify --nonlinear` wrote, in the place of their
-    /// own.
-    ///
-    /// # Errors
-    /// What is wrong with the text, or a cylinder that is not there.
-    pub fn identified_by(self, text: &str) -> Result<Self, TableError> {
-        if text.len() > MAX_TEXT {
-            return Err(TableError::TooLong);
-        }
-        let identified =
-            plant::identified(text, self.sensors.spool_full).map_err(TableError::Identified)?;
-        let strange = identified.iter().find(|it| !(1..=CYLINDERS).contains(&it.number.into()));
-        if let Some(Identified { number, .. }) = strange {
-            let what =
-                format!("has a cylinder {number}, and the simulated machine has {CYLINDERS}");
-            return Err(TableError::Identified(what));
-        }
-        Ok(Self { identified, ..self })
-    }
-
     /// Multiplies all friction by `factor`.
     pub fn rub(&mut self, factor: f64) {
         let of_table = &mut self.friction;
@@ -223,12 +184,5 @@ impl Tables {
             chambers: self.chambers,
             identified: self.identified.clone(),
         }
-    }
-}
-
-impl Default for Tables {
-    /// The tables of `config/e-type-plant.toml`.
-    fn default() -> Self {
-        Self::parse(DEFAULT).expect("a test reads the tables that are built in")
     }
 }
