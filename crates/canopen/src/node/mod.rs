@@ -6,6 +6,7 @@
 //! that can be written are the heartbeat time and the history of errors, and NMT decides which
 //! frames are sent, never what is judged.
 
+mod design;
 mod dictionary;
 mod errors;
 mod objects;
@@ -14,15 +15,16 @@ mod stack;
 mod value;
 mod values;
 
+pub use design::{CylinderThresholds, NodeDesign};
 use dictionary::Dictionary;
 use errors::Emergency;
 use stack::{Nmt, Sdo, emergency};
 pub use stack::{NmtCommand, NodeState};
-use tertius_core::alarm::status::Status;
 use tertius_core::alarm::{OwnFrame, ServiceEncoder, Warning};
 use tertius_core::frame::{Frame, Id, Kind};
-use tertius_core::monitor::{Counts, Record};
-use tertius_core::time::{Span, Timestamp};
+use tertius_core::monitor::Record;
+use tertius_core::time::Timestamp;
+pub use values::NodeView;
 use values::{Serving, Values};
 
 /// COB-ID of NMT commands.
@@ -34,70 +36,9 @@ const REQUEST: u32 = 0x600;
 /// State in a boot-up message.
 const BOOT_UP: u8 = 0;
 
-/// Everything a node is made from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NodeDesign {
-    /// Node number, 1 to 127.
-    pub node: u8,
-    /// Time between heartbeats after each reset, ms; 0 for none.
-    pub heartbeat: u16,
-    /// Shortest heartbeat time that can be set over SDO, ms: so that heartbeats do not take the bus
-    /// share from warnings.
-    pub shortest_heartbeat: u16,
-    /// Whether the node becomes operational without an NMT master.
-    pub autostart: bool,
-    /// Version of the program, `major.minor.patch`.
-    pub version: String,
-    /// Name of the machine.
-    pub machine: String,
-    /// Sample time, s.
-    pub sample_time: f64,
-    /// Thresholds of each cylinder.
-    pub cylinders: Vec<CylinderThresholds>,
-    /// Whether Fd_Estimate is sent.
-    pub sends_estimates: bool,
-    /// Cylinders with a calibration of the sequential detector, bit 0 for cylinder 1.
-    pub calibrated: u8,
-    /// Identity of the configuration with its DBC.
-    pub configuration: u32,
-    /// Identity of the calibration; 0 where there is none.
-    pub calibration: u32,
-    /// CRC-32 of the DBC, and of the EDS files of devices behind it.
-    pub database: u32,
-    /// Bit rate of the bus, bit/s.
-    pub bitrate: u32,
-}
-
-impl NodeDesign {
-    /// Major and minor number of the version.
-    fn revision(&self) -> [u16; 2] {
-        let mut parts = self.version.split('.').map(|part| part.parse().unwrap_or(0));
-        [parts.next().unwrap_or(0), parts.next().unwrap_or(0)]
-    }
-}
-
-/// Thresholds of a cylinder, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CylinderThresholds {
-    /// Lower and upper threshold of R1 and R2.
-    pub observer: [f64; 2],
-    /// Lower and upper threshold of R3.
-    pub difference: [f64; 2],
-    /// |C1 − C2| at which the machine itself trips.
-    pub critical: f64,
-}
-
 /// CRC-32 (ISO-HDLC, as of zip and Ethernet) of a file.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
-}
-
-/// What the node shows of the monitor.
-#[derive(Clone, Copy, Debug)]
-pub struct NodeView<'a> {
-    pub counts: &'a Counts,
-    /// Newest status; `None` before the first.
-    pub status: Option<&'a Status>,
 }
 
 /// An NMT command that the node has followed.
@@ -259,11 +200,6 @@ impl Node {
             send(self.encoder.answer(frame.timestamp, answer));
         }
     }
-}
-
-/// A span of `milliseconds`.
-fn milliseconds(milliseconds: u16) -> Span {
-    Span::from_nanos(i64::from(milliseconds) * 1_000_000)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The objects of the gateway.
 
-use super::NodeDesign;
+use super::design::NodeDesign;
 use super::dictionary::{Dictionary, Live, NodeEntry, NodeObject, Shape};
 use super::errors::HISTORY;
 use super::value::NodeType::{

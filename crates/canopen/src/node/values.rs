@@ -4,11 +4,18 @@ use super::dictionary::{Access, Dictionary, Live, NodeEntry, Source};
 use super::errors::Errors;
 use super::stack::{Abort, Served, Width};
 use super::value::{NodeType, NodeValue};
-use super::{NodeView, milliseconds};
-use tertius_core::alarm::status::MAX_CYLINDERS;
+use tertius_core::alarm::status::{MAX_CYLINDERS, Status};
 use tertius_core::alarm::{OwnFrame, OwnMessage};
 use tertius_core::monitor::{Counts, Record};
 use tertius_core::time::Span;
+
+/// What the node shows of the monitor.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeView<'a> {
+    pub counts: &'a Counts,
+    /// Newest status; `None` before the first.
+    pub status: Option<&'a Status>,
+}
 
 /// Values that the node itself keeps.
 #[derive(Clone, Debug)]
@@ -166,4 +173,9 @@ impl Served for Serving<'_> {
         }
         Ok(())
     }
+}
+
+/// A span of `milliseconds`.
+fn milliseconds(milliseconds: u16) -> Span {
+    Span::from_nanos(i64::from(milliseconds) * 1_000_000)
 }

@@ -1,8 +1,10 @@
 mod serving;
 
 use super::*;
+use tertius_core::alarm::status::Status;
 use tertius_core::alarm::{Detector, Encoder, Finding, Level, State};
 use tertius_core::blame::Rule;
+use tertius_core::monitor::Counts;
 use tertius_core::verdict::{Fault, Suspect};
 
 const COUNTS: Counts = Counts {
