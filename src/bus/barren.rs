@@ -2,14 +2,11 @@
 
 use std::fmt;
 
+use super::bad_line::{BadLine, BadPlace};
 use super::format::Format;
 use super::formats::{self, candump};
 use super::input::Input;
 use super::reason::Reason;
-use super::statistics::{BadLine, BadPlace};
-
-/// Number of bytes by which an input is recognised.
-pub const HEAD: usize = 512;
 
 /// An input without a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]

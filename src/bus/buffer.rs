@@ -2,8 +2,8 @@
 
 use std::io;
 
-use super::format::MAX_RECORD;
 use super::input::Input;
+use super::limits::MAX_RECORD;
 
 /// Size of the buffer: room for the longest record, or for the look-ahead of the time stamps' vote, and
 /// for a read behind it; small enough to stay in a core's second-level cache.

@@ -7,14 +7,8 @@ use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 
 use super::encoder::Written;
+use super::limits::MAX_LINE;
 use super::reason::Reason;
-
-/// Longest line that is read, bytes without its newline; candump's own stay below 400.
-pub const MAX_LINE: usize = 1024;
-/// Longest record that may be asked for whole, bytes. A longer one has to be taken in parts.
-pub const MAX_RECORD: usize = 128 * 1024;
-/// Longest interface name that is accepted; Linux itself allows 15 bytes.
-pub const MAX_INTERFACE: usize = 64;
 
 /// A recording format: a row of the table in [`super::formats`].
 pub struct Format {
@@ -108,7 +102,7 @@ pub enum Item<'a> {
     },
     /// A line longer than [`MAX_LINE`], which is dropped up to its end.
     LongLine,
-    /// More bytes are needed, of [`MAX_RECORD`] at the most. At the end of the input: nothing is left, or
+    /// More bytes are needed, of [`MAX_RECORD`](super::limits::MAX_RECORD) at the most. At the end of the input: nothing is left, or
     /// what is left is incomplete.
     More,
 }

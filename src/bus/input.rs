@@ -4,8 +4,10 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use super::barren::HEAD;
 use super::source::SourceError;
+
+/// Number of bytes by which an input is recognised.
+pub const HEAD: usize = 512;
 
 const GZIP_MAGIC: &[u8] = &[0x1F, 0x8B];
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xB5, 0x2F, 0xFD];

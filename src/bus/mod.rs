@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod ahead;
+mod bad_line;
 mod barren;
 mod buffer;
 pub mod embedded;
@@ -18,6 +19,7 @@ mod encoder;
 mod format;
 mod formats;
 mod input;
+mod limits;
 mod listening;
 mod merge;
 mod options;
@@ -33,11 +35,13 @@ mod statistics;
 mod unrestricted;
 
 pub use ahead::{FrameTaker, read_ahead};
+pub use bad_line::{BadLine, BadPlace};
 pub use barren::{Barren, Seems};
 pub use encoder::{FrameEncoder, Unsayable, Written};
-pub use format::{MAX_LINE, TimeStamps};
+pub use format::TimeStamps;
 pub use formats::candump::writer::{LogWriter, append_log_line};
 pub use formats::{names as format_names, written};
+pub use limits::MAX_LINE;
 pub use listening::ListeningPort;
 pub(crate) use merge::Sorter;
 pub use options::Options;
@@ -49,7 +53,6 @@ pub use recording::Recording;
 pub use selection::{Ambiguous, Interfaces, Selected, Selection, SeveralInterfaces};
 pub use source::{Source, SourceError};
 pub use statistics::{
-    BadLine, BadPlace, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN,
-    KEPT_DAMAGE, Statistics,
+    Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN, KEPT_DAMAGE, Statistics,
 };
 pub use unrestricted::{Unrestricted, UnrestrictedPort};

@@ -1,6 +1,6 @@
 //! Why a line or record is not a frame, for people.
 
-use super::format::MAX_LINE;
+use super::limits::MAX_LINE;
 
 /// What was found in a bad line and what was expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum Reason {
     CutOff,
     #[error("the file ends in the middle of a record")]
     Incomplete,
-    #[error("the record is longer than {limit} bytes", limit = super::format::MAX_RECORD)]
+    #[error("the record is longer than {limit} bytes", limit = super::limits::MAX_RECORD)]
     RecordTooLong,
     #[error("candump reports here that it lost frames")]
     DropCount,
@@ -41,7 +41,7 @@ pub enum Reason {
     StampRange,
     #[error("found {0}, expected an interface such as can0 after the time stamp")]
     Interface(Found),
-    #[error("the interface's name has {0} bytes, expected at most {limit}", limit = super::format::MAX_INTERFACE)]
+    #[error("the interface's name has {0} bytes, expected at most {limit}", limit = super::limits::MAX_INTERFACE)]
     InterfaceTooLong(usize),
     #[error("the line ends after the interface, expected a frame such as 181#E02D")]
     NoFrame,

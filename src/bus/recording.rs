@@ -6,14 +6,14 @@ use std::path::Path;
 
 use crate::frame::Frame;
 
-use super::barren::{Barren, HEAD};
+use super::bad_line::BadPlace;
+use super::barren::Barren;
 use super::buffer::Buffer;
-use super::format::{
-    End, Format, Item, MAX_LINE, MAX_RECORD, Numbered, Reader, TimeStamps, Unread, blank_frame,
-};
+use super::format::{End, Format, Item, Numbered, Reader, TimeStamps, Unread, blank_frame};
 use super::formats;
 use super::formats::candump::{self, Common, Known};
-use super::input::{Input, InputPlace};
+use super::input::{HEAD, Input, InputPlace};
+use super::limits::{MAX_LINE, MAX_RECORD};
 use super::merge::Merge;
 use super::options::Options;
 use super::order;
@@ -21,7 +21,7 @@ use super::progress::Progress;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
-use super::statistics::{BadPlace, Statistics};
+use super::statistics::Statistics;
 
 /// The frames of recordings, one file after the other; those of several buses ([`Interfaces::Several`]) merged by their
 /// time stamps, from one file or each from its own.

@@ -7,6 +7,7 @@
 //! time of the recording computer, which does not tell its zone, and is taken as UTC.
 
 mod date;
+mod flags;
 mod writer;
 
 use crate::bus::encoder::Written;
@@ -19,6 +20,7 @@ use super::decimal::number;
 use super::hex;
 use super::token::{is_blank, token};
 use date::{Date, Origin};
+use flags::{BIT_RATE_SWITCH, ERROR_STATE};
 
 pub static FORMAT: Format = Format {
     name: "a Vector log in ASC",
@@ -39,9 +41,6 @@ const NANOS_PER_SECOND: i128 = 1_000_000_000;
 const HEAD: usize = 4;
 /// Class of error frames in linux/can/error.h: a fault on the bus.
 const BUS_ERROR: u32 = 0x080;
-/// Flags of [`Kind::Fd`].
-const BIT_RATE_SWITCH: u8 = 1;
-const ERROR_STATE: u8 = 2;
 /// Most digits of a channel.
 const CHANNEL: usize = 3;
 /// What stands before an identifier at the end of a line.

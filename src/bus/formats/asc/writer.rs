@@ -8,7 +8,7 @@ use crate::bus::formats::channels::Channels;
 use crate::bus::formats::civil::{CivilTime, start_of};
 use crate::frame::{Frame, Kind};
 
-use super::{BIT_RATE_SWITCH, ERROR_STATE};
+use super::flags::{BIT_RATE_SWITCH, ERROR_STATE};
 
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const WEEKDAYS: [&str; 7] = ["Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"];

@@ -6,17 +6,19 @@
 //! left out and told, and reading goes on at the first object behind it. A container that is not compressed has no
 //! checksum.
 
+mod bytes;
 mod contents;
 mod object;
 mod writer;
 
 use crate::bus::encoder::Written;
 use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
-use crate::bus::reason::{Found, Reason};
+use crate::bus::reason::Reason;
 use crate::frame::Frame;
 
 use super::candump::stamp::Stamp;
 use super::channels::NumberedName;
+use bytes::{CONTAINER_HEAD, FILE_HEAD, expected, u16_at, u32_at, u64_at};
 use contents::{Container, Contents, Inflater};
 use object::{CONTAINER, OBJECT, ObjectHead};
 
@@ -37,11 +39,8 @@ pub static FORMAT: Format = Format {
     }),
 };
 
-/// Bytes of the head that are read, and most bytes that it may have.
-const FILE_HEAD: usize = 72;
+/// Most bytes that the head may have.
 const MOST_HEAD: usize = 4096;
-/// Bytes of a container before its data.
-const CONTAINER_HEAD: usize = 32;
 /// Bytes that are taken at a time, of data and of what is dropped.
 const PART: usize = 1 << 12;
 /// Longest object that is looked at; others are dropped.
@@ -93,22 +92,6 @@ enum Step {
         reason: Reason,
     },
     Frame,
-}
-
-fn expected(bytes: &[u8], expected: &'static str) -> Reason {
-    Reason::Expected { found: Found::first(bytes), expected }
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
-    bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u32::from_le_bytes(*bytes))
-}
-
-fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
-    bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u64::from_le_bytes(*bytes))
-}
-
-fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
-    bytes.get(at..).and_then(<[u8]>::first_chunk).map(|bytes| u16::from_le_bytes(*bytes))
 }
 
 impl Reader for Blf {

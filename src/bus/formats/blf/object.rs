@@ -1,6 +1,6 @@
 //! The objects of a BLF, and the frames in them.
 
-use super::{expected, u16_at, u32_at};
+use super::bytes::{expected, u16_at, u32_at};
 use crate::bus::format::is_fd_length;
 use crate::bus::reason::Reason;
 use crate::frame::{Frame, Id, Kind, MAX_DATA};

@@ -5,10 +5,10 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
+use super::bytes::{CONTAINER_HEAD, FILE_HEAD};
 use super::object::{
     BRS, CONTAINER, ERROR_EXTENDED, ESI, EXTENDED, FD, FD_MESSAGE, MESSAGE, OBJECT, REMOTE,
 };
-use super::{CONTAINER_HEAD, FILE_HEAD};
 use crate::bus::encoder::{FrameEncoder, Unsayable};
 use crate::bus::format::fd_code;
 use crate::bus::formats::channels::Channels;

@@ -4,7 +4,8 @@ use crate::frame::Frame;
 use crate::time::Timestamp;
 
 use super::{Extent, Line, Reason, TimeStamps, Unread, blank_frame};
-use crate::bus::format::{End, MAX_LINE};
+use crate::bus::format::End;
+use crate::bus::limits::MAX_LINE;
 
 /// Number of lines by which `-td` and `-tz` are told apart.
 const VOTERS: usize = 64;

@@ -4,8 +4,8 @@ use crate::frame::Frame;
 
 use super::stamp::Stamp;
 use super::{Extent, Found, Reason, console, log};
-use crate::bus::format::MAX_INTERFACE;
 use crate::bus::formats::token::token;
+use crate::bus::limits::MAX_INTERFACE;
 
 /// Form of the frame's text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,9 +22,6 @@ use crate::frame::Frame;
 
 use clock::StampClock;
 
-/// Least number of digits of seconds since 1970: candump pads absolute time stamps to ten digits.
-const ABSOLUTE_DIGITS: usize = 9;
-
 /// From `.1000000` s to the whole second that asc2log means by it, ns.
 const CARRIED: i64 = 900_000_000;
 

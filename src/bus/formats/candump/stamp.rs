@@ -1,8 +1,11 @@
 //! The text between a line's parentheses.
 
-use super::{ABSOLUTE_DIGITS, Reason};
+use crate::bus::reason::Reason;
 
 const NANOS_PER_SECOND: i128 = 1_000_000_000;
+
+/// Least number of digits of seconds since 1970: candump pads absolute time stamps to ten digits.
+const ABSOLUTE_DIGITS: usize = 9;
 
 /// Origin of a time stamp, as far as its form shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

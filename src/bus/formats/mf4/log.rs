@@ -12,6 +12,8 @@ use crate::bus::format::blank_frame;
 use crate::bus::reason::Reason;
 use crate::frame::Frame;
 
+/// Most bytes of something bad that are shown.
+const SHOWN: usize = 64;
 /// Where the head of a measurement stands.
 const HEADER: u64 = 64;
 /// Where the file says what was never finished.
@@ -162,5 +164,5 @@ fn find(
 /// The bytes that are shown of a flaw.
 pub fn shown(file: &[u8], at: u64) -> &[u8] {
     let bytes = tail(file, at);
-    &bytes[..bytes.len().min(super::SHOWN)]
+    &bytes[..bytes.len().min(SHOWN)]
 }

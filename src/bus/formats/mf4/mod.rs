@@ -37,8 +37,6 @@ const BEGINS: [&[u8; 9]; 2] = [b"MDF     4", b"UnFinMF 4"];
 const MOST: usize = 1 << 30;
 /// Bytes that are taken at a time.
 const PART: usize = 1 << 16;
-/// Most bytes of something bad that are shown.
-const SHOWN: usize = 64;
 
 fn recognise(head: &[u8]) -> Option<bool> {
     match head.first_chunk() {

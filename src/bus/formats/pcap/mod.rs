@@ -4,16 +4,19 @@
 //! LINKTYPE_CAN_SOCKETCAN (an interface of CAN), and LINKTYPE_LINUX_SLL and LINKTYPE_LINUX_SLL2 (`-i any`). Other packets
 //! are no frames.
 
+mod block;
 mod packet;
 mod writer;
 
 use crate::bus::encoder::Written;
-use crate::bus::format::{End, Format, Item, MAX_RECORD, Numbered, Reader, Unread};
+use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
+use crate::bus::limits::MAX_RECORD;
 use crate::bus::reason::{Found, Reason};
 use crate::frame::Frame;
 use crate::time::Timestamp;
 
 use super::channels::NumberedName;
+use block::{ENHANCED_PACKET, INTERFACE, LEAST_BLOCK, MOST_INTERFACES, ORDER, SECTION};
 use packet::{Link, Unit};
 
 pub static FORMAT: Format = Format {
@@ -30,25 +33,15 @@ pub static FORMAT: Format = Format {
     }),
 };
 
-/// Begin of a pcapng section, the same in both byte orders.
-const SECTION: u32 = 0x0A0D_0D0A;
-const INTERFACE: u32 = 1;
 /// Obsolete, but dumpcap has written it.
 const PACKET: u32 = 2;
 const SIMPLE_PACKET: u32 = 3;
-const ENHANCED_PACKET: u32 = 6;
-/// What a section says of its byte order.
-const ORDER: u32 = 0x1A2B_3C4D;
 /// First word of a pcap, with microseconds or nanoseconds.
 const MICROSECONDS: u32 = 0xA1B2_C3D4;
 const NANOSECONDS: u32 = 0xA1B2_3C4D;
 
 const FILE_HEAD: usize = 24;
 const PACKET_HEAD: usize = 16;
-/// Bytes of the smallest block: its type, and its length twice.
-const LEAST_BLOCK: usize = 12;
-/// Most interfaces of a section.
-const MOST_INTERFACES: usize = 1024;
 const NANOS_PER_SECOND: i128 = 1_000_000_000;
 
 fn recognise(head: &[u8]) -> Option<bool> {

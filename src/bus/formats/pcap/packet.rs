@@ -1,6 +1,7 @@
 //! The packets of a capture: where they come from, and the CAN frames in them.
 
-use crate::bus::format::{MAX_INTERFACE, is_fd_length};
+use crate::bus::format::is_fd_length;
+use crate::bus::limits::MAX_INTERFACE;
 use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
 

@@ -1,7 +1,7 @@
 //! Writes captures in pcapng: packets of LINKTYPE_CAN_SOCKETCAN, with times in nanoseconds.
 
+use super::block::{ENHANCED_PACKET, INTERFACE, LEAST_BLOCK, MOST_INTERFACES, ORDER, SECTION};
 use super::packet::{ERROR, EXTENDED, FRAME_HEAD, IS_FD, REMOTE, SOCKETCAN};
-use super::{ENHANCED_PACKET, INTERFACE, LEAST_BLOCK, MOST_INTERFACES, ORDER, SECTION};
 use crate::bus::encoder::{FrameEncoder, Unsayable};
 use crate::frame::{Frame, Kind, MAX_DATA};
 
