@@ -5,8 +5,7 @@ use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::packed::{PackedWriter, Packing};
 use super::passing::{Newest, report};
 use super::progress::Bar;
-use super::recordings;
-use super::replay::StampOption;
+use super::recording_options::{StampOption, recordings};
 use crate::bus::{
     self, FrameEncoder, Interfaces, Options, Recording, Selected, Selection, Source, Statistics,
     Unsayable, Written,

@@ -4,7 +4,7 @@ use super::Failure;
 use super::machine::Machine;
 use super::monitor::GatewaySource;
 use super::overriding::SetOptions;
-use super::run;
+use super::tls::tls_files;
 use crate::appliance::doctor::facts::{Logins, Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
@@ -151,7 +151,7 @@ fn logins(machine: &Machine, config: &Path) -> Option<Result<Logins, String>> {
         IpAddr::V6(it) if it.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
         other => other,
     };
-    let certificate = run::tls_files(config, machine).map(|files| files.certificate);
+    let certificate = tls_files(config, machine).map(|files| files.certificate);
     let scheme = if certificate.is_some() { "https" } else { "http" };
     let url = format!("{scheme}://{}", SocketAddr::new(host, address.port()));
     let source = GatewaySource::new(&url, certificate.as_deref(), None);

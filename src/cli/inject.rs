@@ -8,7 +8,7 @@ use super::overriding::SetOptions;
 use super::passing::{Newest, report};
 use super::progress::Bar;
 use super::proxy::{self, Ends};
-use super::recordings;
+use super::recording_options::recordings;
 use crate::bus::{
     Interfaces, Options, Recording, Selected, Selection, Source, Statistics, append_log_line,
 };

@@ -71,6 +71,8 @@ mod proxy;
 #[cfg(feature = "cli")]
 mod recorded;
 #[cfg(feature = "cli")]
+mod recording_options;
+#[cfg(feature = "cli")]
 mod replay;
 #[cfg(feature = "cli")]
 mod run;
@@ -84,6 +86,8 @@ mod state;
 mod survey;
 #[cfg(feature = "cli")]
 mod tables;
+#[cfg(feature = "cli")]
+mod tls;
 #[cfg(feature = "cli")]
 mod token;
 #[cfg(feature = "cli")]
@@ -130,11 +134,4 @@ impl Arguments {
             Command::Other(command) => command.run(),
         }
     }
-}
-
-/// Help for an argument that names recordings, which may also be `packed` so.
-#[cfg(feature = "cli")]
-fn recordings(packed: &str) -> String {
-    let formats = crate::bus::format_names();
-    format!("Recordings, read in turn, in any of these formats: {formats}; may be .gz{packed}")
 }

@@ -11,9 +11,9 @@ use super::machine::Machine;
 use super::output::{Explaining, Output};
 use super::overriding::SetOptions;
 use super::recorded::RecordedInputs;
-use super::recordings;
+use super::recording_options::{StampOption, recordings};
 use super::state::{self, StateFile};
-use crate::bus::{Options, Recording, Statistics, TimeStamps};
+use crate::bus::{Options, Recording, Statistics};
 use crate::config::visible;
 use crate::monitor::{Estimates, Monitor};
 use crate::report::alignment;
@@ -109,29 +109,6 @@ pub struct Replay {
 enum Format {
     Human,
     Jsonl,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum StampOption {
-    /// Determined from the time stamps
-    Auto,
-    /// Time of day (candump -ta, -tA)
-    Absolute,
-    /// Time since the previous frame (candump -td)
-    Delta,
-    /// Time since the first frame (candump -tz)
-    Zero,
-}
-
-impl From<StampOption> for TimeStamps {
-    fn from(stamps: StampOption) -> Self {
-        match stamps {
-            StampOption::Auto => Self::Auto,
-            StampOption::Absolute => Self::Absolute,
-            StampOption::Delta => Self::Delta,
-            StampOption::Zero => Self::Zero,
-        }
-    }
 }
 
 pub(super) fn zone(name: &str) -> Result<TimeZone, String> {

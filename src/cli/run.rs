@@ -6,10 +6,11 @@ use super::gateway::{gateway, identifiers};
 use super::machine::Machine;
 use super::overriding::SetOptions;
 use super::stage::Stage;
+use super::tls::tls_files;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
-use crate::appliance::http::{DeskPlan, LoginLimits, TlsFiles};
+use crate::appliance::http::{DeskPlan, LoginLimits};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::mqtt::{Authority, EdgeNode, MqttPlan};
 use crate::appliance::realtime;
@@ -168,14 +169,6 @@ pub fn not_built(settings: &Settings) -> Option<String> {
             settings.opcua.listen
         )
     })
-}
-
-/// Certificate and key of the page, relative to the configuration `path`.
-pub fn tls_files(path: &Path, machine: &Machine) -> Option<TlsFiles> {
-    let http = &machine.loaded.settings.http;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let (certificate, key) = http.certificate.as_ref().zip(http.key.as_ref())?;
-    Some(TlsFiles { certificate: folder.join(certificate), key: folder.join(key) })
 }
 
 /// What is published over MQTT, with files relative to the configuration `path`.

@@ -2,8 +2,8 @@
 
 use super::chart::{Chart, Scale};
 use super::marks::{beyond, quiet, strong};
+use super::sight::{Sight, below, split};
 use super::words::{drift, estimate, millimetres};
-use super::{Sight, below, split};
 use crate::cli::monitor::news::WatchedCylinder;
 use crate::cli::monitor::picture::MINUTES;
 use crate::report::capitalised;

@@ -1,7 +1,7 @@
 //! The head: which machine, how it is, and how old that is.
 
-use super::Sight;
 use super::marks::{Marks, strong};
+use super::sight::Sight;
 use super::words::{length, time_of_day};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;

@@ -1,7 +1,7 @@
 //! The keys, and what the lamps mean.
 
-use super::Sight;
 use super::marks::{quiet, strong};
+use super::sight::Sight;
 use crate::appliance::telemetry::lamp::Lamp;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;

@@ -1,7 +1,7 @@
 //! The incidents that are open, the worst first.
 
-use super::Sight;
 use super::marks::{Marks, quiet};
+use super::sight::Sight;
 use super::words::time_of_day;
 use crate::cli::monitor::news::WatchedIncident;
 use ratatui::buffer::Buffer;

@@ -8,40 +8,22 @@ mod incidents;
 mod marks;
 #[cfg(test)]
 pub mod samples;
+mod sight;
 mod table;
 #[cfg(test)]
 mod tests;
 mod words;
 
-use super::news::WatchedCylinder;
-use super::picture::Picture;
 use super::viewer::Viewer;
 pub use marks::Marks;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Color;
+use sight::{Sight, below, split};
 use std::time::Duration;
 
 /// Least width and height for everything; on less there is the head alone.
 const LEAST: (u16, u16) = (80, 22);
-
-/// Everything that the parts of the view need.
-struct Sight<'a> {
-    viewer: &'a Viewer,
-    /// What is shown, and the time that it is of.
-    picture: &'a Picture,
-    of: Duration,
-    /// The present time.
-    now: Duration,
-    cylinders: Vec<WatchedCylinder>,
-    marks: Marks,
-}
-
-impl Sight<'_> {
-    fn selected(&self) -> Option<&WatchedCylinder> {
-        self.cylinders.iter().find(|cylinder| cylinder.number == self.viewer.selected)
-    }
-}
 
 /// Draws what `viewer` shows at `now` into `area`.
 pub fn draw(viewer: &Viewer, now: Duration, marks: Marks, area: Rect, buffer: &mut Buffer) {
@@ -77,15 +59,4 @@ fn overview(sight: &Sight<'_>, body: Rect, buffer: &mut Buffer) {
     let [incidents, detail] = split(rest, (rest.height / 3).max(standing.min(rest.height / 2) + 1));
     incidents::draw(sight, incidents, buffer);
     detail::beside(sight, detail, buffer);
-}
-
-/// The first `height` lines of `area`, and the others.
-fn split(area: Rect, height: u16) -> [Rect; 2] {
-    let height = height.min(area.height);
-    [below(area, 0, height), below(area, height, area.height - height)]
-}
-
-/// The `height` lines of `area` that begin with line `from`.
-fn below(area: Rect, from: u16, height: u16) -> Rect {
-    Rect { y: area.y + from, height, ..area }
 }

@@ -1,7 +1,7 @@
 //! The cylinders, a line each: two lamps, and three residuals against their limits.
 
-use super::Sight;
 use super::marks::{beyond, quiet, strong};
+use super::sight::Sight;
 use super::words::millimetres;
 use crate::cli::monitor::news::{WatchedCylinder, WatchedTransducer};
 use ratatui::buffer::Buffer;
