@@ -1,6 +1,6 @@
 //! Columns of a table, and their encoding in a Parquet file.
 
-use crate::time::Timestamp;
+use crate::time::{Span, Timestamp};
 use parquet::basic::{
     Compression, LogicalType, Repetition, TimeUnit, Type as PhysicalType, ZstdLevel,
 };
@@ -172,6 +172,15 @@ fn split<R, V>(rows: &[R], get: impl Fn(&R) -> Option<V>) -> (Vec<i16>, Vec<V>) 
 }
 
 /// The cells of `row` that are not null, as JSON has them; times as whole nanoseconds.
+/// The number that the lines of JSON have for `span`, s: the double that is nearest to its digits.
+pub(super) fn seconds(span: Span) -> Option<f64> {
+    span.to_string().parse().ok()
+}
+
+pub(super) fn count(number: u64) -> Option<i64> {
+    i64::try_from(number).ok()
+}
+
 #[cfg(test)]
 pub fn cells<R: TableRow>(row: &R) -> serde_json::Map<String, serde_json::Value> {
     let cell = |column: &TableColumn<R>| {

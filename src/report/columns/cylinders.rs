@@ -1,7 +1,6 @@
 //! Each cylinder's part of a summary as a row, and the trends of its transducers on the stops.
 
-use super::column::{Cells, TableColumn, TableRow};
-use super::count;
+use super::column::{Cells, TableColumn, TableRow, count};
 use super::events::columns;
 use crate::monitor::cylinder::Tally;
 use crate::process::ProcessCoverage;

@@ -1,7 +1,6 @@
 //! Warnings, incidents and dwells as rows: the fields of their lines of JSON.
 
-use super::column::{Cells, TableColumn, TableRow};
-use super::seconds;
+use super::column::{Cells, TableColumn, TableRow, seconds};
 use crate::alarm::register::DETECTORS;
 use crate::alarm::{Evidence, Warning};
 use crate::config::MachineNames;

@@ -1,6 +1,6 @@
 //! Statistics of the samples of each cylinder, minute by minute.
 
-use super::column::{Cells, TableColumn, TableRow};
+use super::column::{Cells, TableColumn, TableRow, count};
 use super::events::columns;
 use crate::config::MachineNames;
 use crate::identify::moments::Spread;
@@ -96,26 +96,26 @@ impl TableRow for MinuteRow {
         "minute", "ns since 1970, UTC", Time, "its begin", |it| Some(it.begin);
         "cylinder", "", Count, "from 1", |it| Some(it.cylinder.into());
         "name", "", Text, "name of the cylinder, if it has one", |it| it.name.clone().map(Into::into);
-        "cycles", "", Count, "cycles evaluated", |it| super::count(it.cycles);
-        "monitored", "", Count, "cycles in which the platform was in a monitored state", |it| super::count(it.monitored);
-        "judged_r1", "", Count, "cycles in which R1 was judged", |it| super::count(it.judged[0]);
-        "judged_r2", "", Count, "cycles in which R2 was judged", |it| super::count(it.judged[1]);
-        "gated", "", Count, "cycles in which neither was", |it| super::count(it.gated);
-        "good_c1", "", Count, "cycles in which nothing spoke against the reading of C1", |it| super::count(it.good[0]);
-        "good_c2", "", Count, "the same of C2", |it| super::count(it.good[1]);
+        "cycles", "", Count, "cycles evaluated", |it| count(it.cycles);
+        "monitored", "", Count, "cycles in which the platform was in a monitored state", |it| count(it.monitored);
+        "judged_r1", "", Count, "cycles in which R1 was judged", |it| count(it.judged[0]);
+        "judged_r2", "", Count, "cycles in which R2 was judged", |it| count(it.judged[1]);
+        "gated", "", Count, "cycles in which neither was", |it| count(it.gated);
+        "good_c1", "", Count, "cycles in which nothing spoke against the reading of C1", |it| count(it.good[0]);
+        "good_c2", "", Count, "the same of C2", |it| count(it.good[1]);
         "length_min", "m", Number, "least good reading of C1", |it| of(&it.lengths, |it| it.low);
         "length_max", "m", Number, "largest good reading of C1", |it| of(&it.lengths, |it| it.high);
-        "r1_count", "", Count, "values of R1 that were judged", |it| super::count(it.residuals[0].count);
+        "r1_count", "", Count, "values of R1 that were judged", |it| count(it.residuals[0].count);
         "r1_min", "m", Number, "the least of them", |it| of(&it.residuals[0], |it| it.low);
         "r1_max", "m", Number, "the largest of them", |it| of(&it.residuals[0], |it| it.high);
         "r1_mean", "m", Number, "their mean", |it| of(&it.residuals[0], |it| it.mean);
         "r1_rms", "m", Number, "the root of their mean square", |it| of(&it.residuals[0], Spread::rms);
-        "r2_count", "", Count, "values of R2 that were judged", |it| super::count(it.residuals[1].count);
+        "r2_count", "", Count, "values of R2 that were judged", |it| count(it.residuals[1].count);
         "r2_min", "m", Number, "the least of them", |it| of(&it.residuals[1], |it| it.low);
         "r2_max", "m", Number, "the largest of them", |it| of(&it.residuals[1], |it| it.high);
         "r2_mean", "m", Number, "their mean", |it| of(&it.residuals[1], |it| it.mean);
         "r2_rms", "m", Number, "the root of their mean square", |it| of(&it.residuals[1], Spread::rms);
-        "r3_count", "", Count, "values of R3", |it| super::count(it.residuals[2].count);
+        "r3_count", "", Count, "values of R3", |it| count(it.residuals[2].count);
         "r3_min", "m", Number, "the least of them", |it| of(&it.residuals[2], |it| it.low);
         "r3_max", "m", Number, "the largest of them", |it| of(&it.residuals[2], |it| it.high);
         "r3_mean", "m", Number, "their mean", |it| of(&it.residuals[2], |it| it.mean);

@@ -17,7 +17,7 @@ pub use minutes::{MinuteRow, Minutes};
 pub use notices::NoticeRow;
 pub use summary::{SummaryFacts, SummaryRow};
 
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use jiff::fmt::strtime;
 use jiff::tz::TimeZone;
 
@@ -77,18 +77,10 @@ fn written(format: &str, at: Timestamp) -> String {
     strtime::format(format, &at.to_zoned(TimeZone::UTC)).unwrap_or_default()
 }
 
-/// The number that the lines of JSON have for `span`, s: the double that is nearest to its digits.
-fn seconds(span: Span) -> Option<f64> {
-    span.to_string().parse().ok()
-}
-
-fn count(number: u64) -> Option<i64> {
-    i64::try_from(number).ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::Span;
 
     #[test]
     fn partitions_are_named_as_other_readers_expect() {

@@ -1,8 +1,7 @@
 //! Notices as rows: the fields of their lines of JSON, and what they say in words.
 
-use super::column::{Cells, TableColumn, TableRow};
+use super::column::{Cells, TableColumn, TableRow, seconds};
 use super::events::{columns, word};
-use super::seconds;
 use crate::config::MachineNames;
 use crate::monitor::Notice;
 use crate::report::notice::NoticeFields;

@@ -1,7 +1,6 @@
 //! The summary of a replay as a row.
 
-use super::column::{Cells, TableColumn, TableRow};
-use super::count;
+use super::column::{Cells, TableColumn, TableRow, count};
 use super::events::columns;
 use crate::alarm::Detector;
 use crate::monitor::Counts;

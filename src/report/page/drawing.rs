@@ -3,8 +3,8 @@
 //! plotters draws in whole units; there are two of them to a CSS pixel, so that curves are smooth.
 
 use super::axis::Axis;
+use super::escaping::escaped;
 use super::figure::{Curve, Figure, FigureMark, Panel, Shape};
-use super::html::escaped;
 use super::palette::{GREY, INK};
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;

@@ -192,9 +192,4 @@ impl Figure {
         }
         entries
     }
-
-    /// The figure as SVG; `label` describes it for people who cannot see it.
-    pub fn svg(&self, label: &str) -> String {
-        super::drawing::svg(self, label)
-    }
 }

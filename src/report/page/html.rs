@@ -1,5 +1,7 @@
 //! The skeleton of a page: one file, without network or script, also valid as XML.
 
+use super::drawing;
+use super::escaping::escaped;
 use super::figure::{Entry, Figure, Sample};
 use crate::report::sheet::Section;
 pub use crate::report::wording::capitalised;
@@ -247,7 +249,7 @@ impl Page {
         let mut lines = caption.lines().filter(|line| !line.is_empty());
         let title = lines.next().unwrap_or_default();
         _ = writeln!(self.body, "<figure>\n<p class=\"title\">{}</p>", escaped(title));
-        self.body += &figure.svg(title);
+        self.body += &drawing::svg(figure, title);
         self.body += &legend(&figure.legend());
         let notes: String = lines.map(|line| format!("<p>{}</p>\n", escaped(line))).collect();
         if !notes.is_empty() {
@@ -326,25 +328,6 @@ fn legend(entries: &[Entry]) -> String {
 fn is_number(cell: &str) -> bool {
     let cell = cell.trim_start_matches(['-', '−', '+', '±', ' ', '<', '>', '≥', '≤']);
     cell.is_empty() || matches!(cell, "–" | "?") || cell.starts_with(|c: char| c.is_ascii_digit())
-}
-
-/// `text` as the content of an element or of an attribute. Characters that XML does not allow are
-/// replaced.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '&' => out.push_str("&amp;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\n' | '\t' => out.push(' '),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The incidents on the page of a replay: a table of all, and the story of each with the figures around its warnings.
 
 use super::Page;
+use super::escaping::escaped;
 use super::figure::Figure;
-use super::html::escaped;
 use super::zoom::Zoom;
 use crate::alarm::Level;
 use crate::config::MachineNames;

@@ -12,6 +12,7 @@ mod coverage;
 pub mod curves;
 pub mod differences;
 mod drawing;
+mod escaping;
 pub mod evaluation;
 pub mod figure;
 pub mod histogram;
