@@ -2,6 +2,7 @@
 
 mod ages;
 mod clock;
+mod computer;
 mod disks;
 
 use super::facts::{
@@ -13,10 +14,10 @@ use super::load::Rates;
 use super::process::gateway_config;
 use crate::bus::socket::{LinkState, OpenError, Options, SocketPort};
 use crate::bus::{Identifiers, Port, embedded};
+use computer::said_by;
 use std::fs;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
 /// ARPHRD_CAN of linux/if_arp.h.
@@ -99,20 +100,6 @@ fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
 fn counts(interface: &str) -> Option<LinkCounts> {
     let folder = Path::new("/sys/class/net").join(interface).join("statistics");
     LinkCounts::read(|name| fs::read_to_string(folder.join(name)).ok())
-}
-
-/// Time since the computer was started, s.
-fn uptime() -> Option<f64> {
-    let text = fs::read_to_string("/proc/uptime").ok()?;
-    text.split_whitespace().next()?.parse().ok()
-}
-
-/// What another program prints; `None` without it, or where it fails.
-fn said_by(program: &str, arguments: &[&str]) -> Option<String> {
-    let mut command = Command::new(program);
-    let output = command.args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output();
-    let output = output.ok().filter(|output| output.status.success())?;
-    String::from_utf8(output.stdout).ok()
 }
 
 fn rates(wanted: &Wanted, link: Option<&LinkState>) -> Rates {

@@ -2,15 +2,11 @@
 
 use super::facts::{InterfaceFacts, LinkCounts, Receiving, Rights, Wanted};
 use super::finding::Finding;
-use super::traffic;
+use super::traffic::{self, OVERLOAD};
 use crate::bus::Stamps;
 
 /// A second less the kernel's rounding, s.
 const A_SECOND: f64 = 0.99;
-
-/// What a computer needs that is too slow for its bus.
-pub(super) const OVERLOAD: &str = "this computer is too slow for the frames, not the bus at fault: set [realtime], run \
-                                   less beside the gateway, or give the controller's interrupt a core of its own";
 
 pub(super) fn judge(wanted: &Wanted, interface: &InterfaceFacts, rights: &Rights) -> Vec<Finding> {
     let Ok(receiving) = &interface.port else { return Vec::new() };

@@ -3,8 +3,11 @@
 use super::facts::{LinkCounts, Message, Rights, Wanted};
 use super::finding::Finding;
 use super::hearing::{Errors, Hearing, Intervals};
-use super::receiving::OVERLOAD;
 use crate::error_frame::ControllerState;
+
+/// What a computer needs that is too slow for its bus.
+pub(super) const OVERLOAD: &str = "this computer is too slow for the frames, not the bus at fault: set [realtime], run \
+                                   less beside the gateway, or give the controller's interrupt a core of its own";
 
 /// Most messages that are named in a line.
 const NAMED: usize = 20;

@@ -1,6 +1,6 @@
 //! The folder of the recordings on disk. A recording is there whole or not at all, whenever the power fails.
 
-use super::manifest::MANIFEST;
+use super::plan::MANIFEST;
 use super::recording::RecordedFile;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};

@@ -9,10 +9,7 @@ use serde::Serialize;
 use serde_json::value::RawValue;
 use std::io;
 
-/// Name of the file in the folder of a recording.
-pub const MANIFEST: &str = "incident.json";
-
-/// The fields of a [`MANIFEST`].
+/// The fields of a [`MANIFEST`](super::plan::MANIFEST).
 #[derive(Serialize)]
 pub(super) struct Manifest<'a> {
     r#type: &'static str,

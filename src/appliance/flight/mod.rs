@@ -25,8 +25,7 @@ mod tap;
 mod worker;
 
 pub use folder::is_recording;
-pub use manifest::MANIFEST;
-pub use plan::{FRAMES_FILE, FlightPlan, STATE_FILE};
+pub use plan::{FRAMES_FILE, FlightPlan, MANIFEST, STATE_FILE};
 pub use ring::MOST_BYTES;
 
 use super::telemetry::Telemetry;

@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 /// Name of the frames of a recording in its folder.
 pub const FRAMES_FILE: &str = "frames.log.zst";
 
+/// Name of the file in the folder of a recording.
+pub const MANIFEST: &str = "incident.json";
+
 /// Name of the monitor's state at the first frame.
 pub const STATE_FILE: &str = "monitor.state";
 
@@ -41,7 +44,7 @@ impl FlightPlan {
         let settings = &loaded.settings.recorder;
         let folder = settings.folder.as_ref()?;
         let base = path.parent().unwrap_or(Path::new(""));
-        let taken = [FRAMES_FILE, STATE_FILE, super::MANIFEST];
+        let taken = [FRAMES_FILE, STATE_FILE, MANIFEST];
         Some(Self {
             folder: base.join(folder),
             before: Span::from_seconds(settings.before),

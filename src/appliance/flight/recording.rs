@@ -1,8 +1,8 @@
 //! A recording in progress: the frames so far, and what is told of its incident.
 
-use super::manifest::{Extent, MANIFEST, Manifest, utc};
+use super::manifest::{Extent, Manifest, utc};
 use super::packer::Piece;
-use super::plan::{FRAMES_FILE, FlightPlan, STATE_FILE};
+use super::plan::{FRAMES_FILE, FlightPlan, MANIFEST, STATE_FILE};
 use super::ring::{MOST_BYTES, Ring};
 use crate::incident::{Incident, Scope};
 use crate::time::{Span, Timestamp};

@@ -1,9 +1,9 @@
 //! What people do with alarms. No act changes a frame on the bus or mutes a detector.
 
-use super::Shared;
-use super::attempts::Trial;
 use super::connections::Connection;
 use super::guard::is_from_here;
+use super::shared::Shared;
+use super::trial::Trial;
 use crate::alarm_list::ActKind;
 use crate::appliance::store::{ActError, AlarmAct};
 use crate::time::Span;

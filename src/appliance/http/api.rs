@@ -1,6 +1,6 @@
 //! What the page asks for, as JSON.
 
-use super::{Shared, json};
+use super::shared::{Shared, json};
 use crate::appliance::telemetry::MachineFacts;
 use crate::appliance::telemetry::feed::number;
 use crate::appliance::telemetry::trend::{Bin, QUANTITIES, merged};

@@ -1,17 +1,11 @@
 //! Who tries tokens: how often, and how long an address has to wait until it may try again.
 
-use super::Shared;
-use super::connections::{Connection, network};
-use super::token::WrongToken;
+use super::connections::network;
 use crate::report::counted;
-use axum::http::header::RETRY_AFTER;
-use axum::http::{HeaderMap, StatusCode};
-use axum::response::{IntoResponse, Response};
 use std::collections::VecDeque;
 use std::net::IpAddr;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
-use tracing::warn;
 
 /// Most addresses that are remembered; the one that failed longest ago gives way.
 const MOST: usize = 256;
@@ -75,7 +69,7 @@ struct Stranger {
 
 impl Attempts {
     /// How long the address `from` has to wait before it may try a token; `None` if it may.
-    fn wait(&self, from: IpAddr, now: Duration) -> Option<Duration> {
+    pub fn wait(&self, from: IpAddr, now: Duration) -> Option<Duration> {
         let failures = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let from = network(from);
         let own = failures.of.iter().find(|it| it.from == from).map_or(now, |it| it.until);
@@ -85,7 +79,7 @@ impl Attempts {
     }
 
     /// Takes a failure of `from`.
-    fn fail(&self, from: IpAddr, now: Duration, limits: LoginLimits) -> Failed {
+    pub fn fail(&self, from: IpAddr, now: Duration, limits: LoginLimits) -> Failed {
         let mut failures = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let network = network(from);
         let forget = FORGET.max(limits.lockout);
@@ -131,7 +125,7 @@ impl Attempts {
     }
 
     /// Forgets the failures of who knew the token after all.
-    fn succeed(&self, from: IpAddr) {
+    pub fn succeed(&self, from: IpAddr) {
         let mut failures = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         failures.of.retain(|it| it.from != network(from));
     }
@@ -139,60 +133,11 @@ impl Attempts {
 
 /// What came of a failure.
 #[derive(Debug)]
-struct Failed {
+pub(super) struct Failed {
     /// Whether its address is locked out now.
-    is_out: bool,
+    pub is_out: bool,
     /// What is to be logged of it, if it is the time.
-    told: Option<String>,
-}
-
-/// What became of a token that somebody gave.
-pub(super) enum Trial {
-    Right,
-    Wrong(WrongToken),
-    /// It was not looked at.
-    TooSoon(Response),
-}
-
-impl Shared {
-    /// What `judge` says of a token that came by `connection`; it is asked only if its address may try.
-    pub(super) fn try_token(
-        &self,
-        connection: &Connection,
-        judge: impl FnOnce() -> Result<(), WrongToken>,
-    ) -> Trial {
-        let (from, now) = (connection.peer(), self.clock.uptime());
-        if let Some(wait) = self.attempts.wait(from, now) {
-            return Trial::TooSoon(too_soon(wait));
-        }
-        let Err(wrong) = judge() else {
-            self.attempts.succeed(from);
-            return Trial::Right;
-        };
-        let Failed { is_out, told } = self.attempts.fail(from, now, self.desk.plan().logins);
-        self.telemetry.login_failed(is_out);
-        if let Some(told) = told {
-            warn!("http: {told}{}", wrong.advice());
-        }
-        Trial::Wrong(wrong)
-    }
-
-    /// As [`Self::try_token`], of the token in `Authorization`; `None` if there is none.
-    pub(super) fn try_header(
-        &self,
-        connection: &Connection,
-        headers: &HeaderMap,
-        token: &super::TokenDigest,
-    ) -> Option<Trial> {
-        headers.get(axum::http::header::AUTHORIZATION)?;
-        Some(self.try_token(connection, || token.judge_header(headers)))
-    }
-}
-
-fn too_soon(wait: Duration) -> Response {
-    let seconds = wait.as_secs() + 1;
-    let told = format!("too many wrong tokens; try again in {seconds} s\n");
-    (StatusCode::TOO_MANY_REQUESTS, [(RETRY_AFTER, seconds.to_string())], told).into_response()
+    pub told: Option<String>,
 }
 
 #[cfg(test)]

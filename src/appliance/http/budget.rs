@@ -1,9 +1,10 @@
 //! The memory that readers can make the gateway use, and the memory that it uses by itself.
 
+use super::READERS;
+use super::audience::{self, MOST_WATCHERS};
 use super::connections::{CONNECTIONS, ENCRYPTED, HEAD_SIZE, RECEIVE_BUFFER, SEND_BUFFER};
 use super::sending::{DOWNLOADS, PIECE, STACK_SIZE, WAITING};
-use super::stream::{self, MOST_WATCHERS};
-use super::{LARGEST_ANSWER, READERS};
+use super::shared::LARGEST_ANSWER;
 use crate::appliance::flight;
 use crate::appliance::store::READ_CACHE;
 
@@ -22,7 +23,7 @@ const SOCKETS: usize = (CONNECTIONS + MOST_WATCHERS)
     * (2 * (SEND_BUFFER + RECEIVE_BUFFER) + 2 * HEAD_SIZE + 2 * ENCRYPTED);
 
 /// Events that wait for those who watch: the same for all of them.
-const STREAM: usize = (stream::WAITING + 2) * LARGEST_EVENT;
+const STREAM: usize = (audience::WAITING + 2) * LARGEST_EVENT;
 
 /// An event with all cylinders and as many incidents as there can be, bytes.
 const LARGEST_EVENT: usize = 64 * 1024;

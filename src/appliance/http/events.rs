@@ -2,7 +2,7 @@
 
 use super::connections::Connection;
 use super::sending::{body, no_place, no_thread};
-use super::{Shared, json};
+use super::shared::{Shared, json};
 use crate::alarm::Level;
 use crate::alarm::status::Mode;
 use crate::appliance::store::{

@@ -1,31 +1,18 @@
 //! What `tertius doctor` says of this computer, without listening to the bus.
 
-use super::{Shared, json};
+use super::examined::Report;
+use super::shared::{Shared, json};
+use crate::appliance::doctor::examine;
 use crate::appliance::doctor::facts::Logins;
 use crate::appliance::doctor::gather::gather;
-use crate::appliance::doctor::{Finding, examine};
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use serde::Serialize;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::Mutex;
 
 /// Examinations are at least so far apart, however many ask.
 const APART: Duration = Duration::from_secs(60);
-
-/// The last examination, and its uptime. It is locked while one is made, also for someone who no longer waits, so that
-/// one that takes long occupies one thread and not all.
-pub(super) type Examined = Arc<Mutex<Option<(Duration, Report)>>>;
-
-/// What was found.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Report {
-    /// When, s since 1970.
-    at_s: f64,
-    findings: Vec<Finding>,
-}
 
 pub(super) async fn doctor(State(shared): State<Shared>) -> Response {
     let Some(patient) = shared.desk.plan().patient else {

@@ -1,9 +1,9 @@
 //! What every request has to pass, and what every answer says to the browser.
 
-use super::Shared;
-use super::attempts::Trial;
 use super::connections::Connection;
 use super::page::NO_TOKEN;
+use super::shared::Shared;
+use super::trial::Trial;
 use axum::extract::{Request, State};
 use axum::http::header::{
     CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, LOCATION, ORIGIN, REFERRER_POLICY,

@@ -1,10 +1,11 @@
 //! The login of those who read from another computer.
 
-use super::attempts::Trial;
 use super::connections::Connection;
 use super::guard::is_from_here;
+use super::page;
+use super::shared::Shared;
 use super::token::WrongToken;
-use super::{Shared, page};
+use super::trial::Trial;
 use axum::Extension;
 use axum::body::Bytes;
 use axum::extract::{Query, State};

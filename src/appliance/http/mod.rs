@@ -5,46 +5,43 @@
 mod acts;
 mod api;
 mod attempts;
+mod audience;
 mod budget;
 mod connections;
 mod events;
 mod examination;
+mod examined;
 mod guard;
 mod login;
 mod page;
 mod recordings;
 mod sending;
 mod sessions;
+mod shared;
 mod stream;
 mod tls;
 mod token;
+mod trial;
 
-use super::doctor::facts::Wanted;
 use super::realtime;
-use super::store::{StoreHandle, StoreState};
-use super::telemetry::clock::Clock;
+use super::telemetry::Recorder;
 use super::telemetry::exposition::{CONTENT_TYPE, PLAIN_CONTENT_TYPE, exposition, plain};
-use super::telemetry::{Recorder, Telemetry};
-use attempts::Attempts;
 pub use attempts::LoginLimits;
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
-use axum::http::header::{ACCEPT, CACHE_CONTROL, CONTENT_TYPE as TYPE};
+use axum::http::header::{ACCEPT, CONTENT_TYPE as TYPE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 pub use budget::{AT_REST, MEMORY};
 use connections::Identities;
-use examination::Examined;
-use sending::Places;
-use sessions::Sessions;
+use examined::Examined;
+pub use shared::{Desk, DeskPlan};
+use shared::{Shared, json};
 use std::io;
 use std::net::SocketAddr;
-use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, PoisonError, RwLock};
-use stream::Audience;
 pub use tls::{Identity, IdentityError, TlsFiles};
 pub use token::TokenDigest;
 use tokio::net::TcpListener;
@@ -55,48 +52,6 @@ const STACK_SIZE: usize = 512 * 1024;
 
 /// Most threads that read the event store at once.
 const READERS: usize = 2;
-
-/// Longest answer that is made as a whole, bytes; the longest of the page has a half of it. What is longer is sent in pieces.
-const LARGEST_ANSWER: usize = 512 * 1024;
-
-/// What is served beside the telemetry.
-#[derive(Clone, Debug, Default)]
-pub struct Desk {
-    /// The event store.
-    store: Option<StoreHandle>,
-    /// Asks the flight recorder for a recording of now.
-    demand: Arc<AtomicBool>,
-    plan: Arc<RwLock<DeskPlan>>,
-}
-
-/// What a configuration says of the desk; a reload may change it.
-#[derive(Clone, Debug, Default)]
-pub struct DeskPlan {
-    /// Digest of the token that acts need; `None`: there are no acts.
-    pub token: Option<TokenDigest>,
-    /// What wrong tokens lead to.
-    pub logins: LoginLimits,
-    /// Folder of the flight recorder; `None`: nothing is recorded.
-    pub recordings: Option<PathBuf>,
-    /// What the doctor has to know of the configuration; `None`: nothing is examined.
-    pub patient: Option<Wanted>,
-}
-
-impl Desk {
-    /// A desk with what `store` keeps, where people may ask for a recording by `demand`.
-    pub fn new(store: StoreHandle, demand: Arc<AtomicBool>) -> Self {
-        Self { store: Some(store), demand, ..Self::default() }
-    }
-
-    /// Goes by `plan` from now on.
-    pub fn follow(&self, plan: DeskPlan) {
-        *self.plan.write().unwrap_or_else(PoisonError::into_inner) = plan;
-    }
-
-    fn plan(&self) -> DeskPlan {
-        self.plan.read().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
 
 /// A running server; it ends when this is dropped.
 #[derive(Debug)]
@@ -168,29 +123,6 @@ impl Server {
     }
 }
 
-#[derive(Clone)]
-struct Shared {
-    telemetry: Arc<Telemetry>,
-    clock: Arc<dyn Clock>,
-    /// Those who watch the page.
-    audience: Arc<Audience>,
-    address: SocketAddr,
-    desk: Desk,
-    examined: Examined,
-    /// Those who are sent something long.
-    places: Arc<Places>,
-    /// Who has logged in.
-    sessions: Arc<Sessions>,
-    /// Who has tried to.
-    attempts: Arc<Attempts>,
-}
-
-impl Shared {
-    fn store_state(&self) -> StoreState {
-        self.desk.store.as_ref().map(StoreHandle::state).unwrap_or_default()
-    }
-}
-
 fn router(shared: Shared) -> Router {
     let acts = Router::new()
         .route("/api/alarms/{incident}/{act}", post(acts::act))
@@ -247,21 +179,6 @@ async fn metrics(State(shared): State<Shared>, headers: HeaderMap) -> Response {
     match exposition(&shared.telemetry, &*shared.clock) {
         Ok(text) if modern => ([(TYPE, CONTENT_TYPE)], text).into_response(),
         Ok(text) => ([(TYPE, PLAIN_CONTENT_TYPE)], plain(&text)).into_response(),
-        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
-    }
-}
-
-/// `value` as the answer to a request, on a line of its own.
-fn json(value: &impl serde::Serialize) -> Response {
-    match serde_json::to_string(value) {
-        Ok(json) if json.len() >= LARGEST_ANSWER => {
-            let told = "the answer would be too long; ask for less, or export the events\n";
-            (StatusCode::INTERNAL_SERVER_ERROR, told).into_response()
-        }
-        Ok(json) => {
-            let headers = [(TYPE, "application/json"), (CACHE_CONTROL, "no-store")];
-            (headers, json + "\n").into_response()
-        }
         Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
     }
 }

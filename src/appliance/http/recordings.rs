@@ -2,7 +2,7 @@
 
 use super::connections::Connection;
 use super::sending::{body, no_place, no_thread};
-use super::{Shared, json};
+use super::shared::{Shared, json};
 use axum::Extension;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;

@@ -1,8 +1,8 @@
 //! Answers that take long, in pieces: each is made on a thread of its own, so that whoever reads slowly holds up nobody
 //! who looks at alarms, and only so much of it is in memory.
 
+use super::audience::Pieces;
 use super::connections::{Connection, share};
-use super::stream::Pieces;
 use axum::body::{Body, Bytes};
 use axum::http::StatusCode;
 use axum::http::header::RETRY_AFTER;

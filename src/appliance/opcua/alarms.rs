@@ -1,8 +1,8 @@
 //! What becomes of the machine's incidents, as changes of alarms.
 
 use super::condition::AlarmEvent;
+use super::instant::date_time;
 use super::space;
-use super::values::date_time;
 use crate::alarm::Level;
 use crate::appliance::telemetry::OpenSlot;
 use crate::appliance::telemetry::snapshot::Snapshot;

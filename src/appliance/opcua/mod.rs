@@ -11,22 +11,21 @@
 mod alarms;
 mod condition;
 mod gate;
+mod instant;
 mod refresh;
+mod source;
 mod space;
 mod values;
 mod watch;
 
 use super::realtime;
 use super::telemetry::Recorder;
-use super::telemetry::Telemetry;
-use super::telemetry::clock::Clock;
-use alarms::Alarms;
-use opcua::server::diagnostics::NamespaceMetadata;
 use opcua::server::node_manager::ServerContext;
 use opcua::server::node_manager::memory::{CoreNodeManagerBuilder, InMemoryNodeManagerBuilder};
 use opcua::server::{ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint};
-use opcua::sync::Mutex;
 use refresh::Refresher;
+pub use source::NAMESPACE;
+use source::Source;
 use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -54,22 +53,11 @@ const MOST_OF_A_REQUEST: usize = 500;
 /// Shortest interval at which a client is told of changes, ms.
 const SHORTEST_INTERVAL: f64 = 100.0;
 
-/// Name of the namespace of the machine's nodes.
-pub const NAMESPACE: &str = "urn:tertius:machine";
-
 /// A running server; it ends when this is dropped.
 #[derive(Debug)]
 pub struct OpcuaServer {
     address: SocketAddr,
     _stop: oneshot::Sender<()>,
-}
-
-/// What all parts of the server share.
-#[derive(Clone)]
-struct Source {
-    telemetry: Arc<Telemetry>,
-    clock: Arc<dyn Clock>,
-    alarms: Arc<Mutex<Alarms>>,
 }
 
 impl OpcuaServer {

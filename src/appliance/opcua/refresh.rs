@@ -1,8 +1,10 @@
 //! ConditionRefresh (OPC 10000-9, 5.5.7): what stands, for a client that has subscribed later.
 
-use super::{NAMESPACE, NamespaceMetadata, Source, space};
+use super::source::{NAMESPACE, Source};
+use super::space;
 use async_trait::async_trait;
 use opcua::nodes::{BaseEventType, DefaultTypeTree, Event};
+use opcua::server::diagnostics::NamespaceMetadata;
 use opcua::server::node_manager::{MethodCall, NodeManager, RequestContext, ServerContext};
 use opcua::sync::Mutex;
 use opcua::types::{

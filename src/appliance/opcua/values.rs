@@ -1,22 +1,21 @@
 //! The values of the nodes, read from the telemetry for each request.
 
-use super::{NAMESPACE, NamespaceMetadata, Source, space};
+use super::instant::date_time;
+use super::source::{NAMESPACE, Source};
+use super::space;
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::appliance::telemetry::points::{Point, PointValue, Points};
 use crate::appliance::telemetry::snapshot::Snapshot;
 use crate::time::Timestamp;
 use async_trait::async_trait;
 use opcua::server::address_space::{AddressSpace, read_node_value};
+use opcua::server::diagnostics::NamespaceMetadata;
 use opcua::server::node_manager::memory::InMemoryNodeManagerImpl;
 use opcua::server::node_manager::{ParsedReadValueId, RequestContext, ServerContext};
 use opcua::sync::RwLock;
 use opcua::types::{DataValue, DateTime, NodeId, StatusCode, TimestampsToReturn, Variant};
 use std::collections::HashMap;
 use std::time::Duration;
-
-/// 100 ns in a second, and the seconds from 1601, with which OPC UA begins, to 1970.
-const TICKS: i64 = 10_000_000;
-const SINCE_1601: i64 = 11_644_473_600;
 
 /// Answers reads of the machine's nodes. Nothing can be written or called.
 pub(super) struct Values {
@@ -127,10 +126,4 @@ fn variant(value: PointValue) -> Variant {
 fn earlier(at: Timestamp, by: Duration) -> Timestamp {
     let by = i64::try_from(by.as_nanos()).unwrap_or(i64::MAX);
     Timestamp::from_nanos(at.as_nanos().saturating_sub(by))
-}
-
-/// `at` in the standard's steps of 100 ns.
-pub(super) fn date_time(at: Timestamp) -> DateTime {
-    let ticks = at.as_nanos().div_euclid(100) + SINCE_1601 * TICKS;
-    DateTime::from(ticks)
 }

@@ -1,6 +1,7 @@
 //! Tells subscribers what has changed.
 
-use super::{NAMESPACE, Source, space, values};
+use super::source::{NAMESPACE, Source};
+use super::{space, values};
 use opcua::nodes::Event;
 use opcua::server::ServerHandle;
 use opcua::types::AttributeId;

@@ -1,6 +1,6 @@
 //! Rows of the store as people and scripts read them. Times are seconds since 1970, lengths metres.
 
-use super::incident_rows::{self, level};
+use super::columns::{self, level, some_text, text};
 use crate::time::Timestamp;
 use rusqlite::Row;
 use rusqlite::types::ValueRef;
@@ -204,22 +204,6 @@ fn level_name(row: &Row<'_>, at: usize) -> rusqlite::Result<&'static str> {
     Ok(level(row.get(at)?).name())
 }
 
-/// A text of a row. Bytes that are no UTF-8, as damage leaves them, become the replacement character.
-pub(super) fn text(row: &Row<'_>, at: usize) -> rusqlite::Result<String> {
-    match row.get_ref(at)? {
-        ValueRef::Text(bytes) => Ok(String::from_utf8_lossy(bytes).into_owned()),
-        _ => row.get(at),
-    }
-}
-
-/// As [`text`], where there may be none.
-pub(super) fn some_text(row: &Row<'_>, at: usize) -> rusqlite::Result<Option<String>> {
-    match row.get_ref(at)? {
-        ValueRef::Null => Ok(None),
-        _ => text(row, at).map(Some),
-    }
-}
-
 /// Whether a text of a row has bytes that are no UTF-8.
 pub(super) fn is_damaged(row: &Row<'_>) -> bool {
     let count = row.as_ref().column_count();
@@ -235,10 +219,10 @@ pub(super) fn alarm_entry(
     now: Timestamp,
     gated: bool,
 ) -> rusqlite::Result<AlarmEntry> {
-    let alarm = incident_rows::alarm(row, 12)?;
+    let alarm = columns::alarm(row, 12)?;
     Ok(AlarmEntry {
         incident: row.get(0)?,
-        cylinder: incident_rows::cylinder(row, 1)?,
+        cylinder: columns::cylinder(row, 1)?,
         begin_s: time(row, 2)?,
         end_s: some_time(row, 3)?,
         ending: some_text(row, 4)?,
@@ -268,7 +252,7 @@ pub(super) fn entry(row: &Row<'_>, now: Timestamp) -> rusqlite::Result<EventEntr
             fault,
             end_s: some_time(row, 9)?,
             ending: some_text(row, 10)?,
-            state: incident_rows::alarm(row, 15)?.state(now, false).name(),
+            state: columns::alarm(row, 15)?.state(now, false).name(),
             size_m: row.get(11)?,
             quantity: some_text(row, 12)?,
             peak_m: row.get(13)?,

@@ -1,51 +1,18 @@
 //! Incidents as rows: the present one, its revisions and its alarm.
 
 use super::act::{ActError, AlarmAct};
-use super::entries::text;
+use super::columns::{ALARM, MACHINE, alarm, cylinder, text};
+use super::event_rows::{Facets, Rows};
 use super::note::EventKind;
-use super::rows::{Facets, Rows};
-use crate::alarm::Level;
 use crate::alarm_list::{ActKind, Alarm, AlarmCondition, Happening, Standing};
 use crate::incident::{Incident, Progress};
 use crate::story;
 use crate::time::Timestamp;
 use rusqlite::{OptionalExtension, Row, Transaction, params};
 
-/// Levels in the order of their numbers.
-const LEVELS: [Level; 5] = [Level::None, Level::Yellow, Level::Orange, Level::Red, Level::Black];
-
-/// Level of that number.
-pub(super) fn level(number: u8) -> Level {
-    LEVELS.get(usize::from(number)).copied().unwrap_or_default()
-}
-
-/// Columns from which [`alarm`] is read.
-pub(super) const ALARM: &str = "condition, acknowledged, shelved_until_ns, level";
-
-/// An incident's alarm, from the columns [`ALARM`] that begin at `at`.
-pub(super) fn alarm(row: &Row<'_>, at: usize) -> rusqlite::Result<Alarm> {
-    let condition = text(row, at)?;
-    let all = [AlarmCondition::Active, AlarmCondition::Returned, AlarmCondition::Interrupted];
-    let condition = all.into_iter().find(|it| it.name() == condition).unwrap_or_default();
-    let shelved: Option<i64> = row.get(at + 2)?;
-    Ok(Alarm {
-        standing: Standing { condition, acknowledged: row.get(at + 1)? },
-        shelved_until: shelved.map(Timestamp::from_nanos),
-        level: level(row.get(at + 3)?),
-    })
-}
-
-/// The machine, where a cylinder has its number.
-pub(super) const MACHINE: u8 = 0;
-
 /// What the column `cylinder` of an incident has.
 fn column(incident: &Incident) -> u8 {
     incident.scope.cylinder().unwrap_or(MACHINE)
-}
-
-/// The cylinder of an incident by its column.
-pub(super) fn cylinder(row: &Row<'_>, at: usize) -> rusqlite::Result<Option<u8>> {
-    Ok(Some(row.get(at)?).filter(|number| *number != MACHINE))
 }
 
 /// Writes what became of an incident: its event, its present state and a revision.

@@ -13,7 +13,9 @@
 mod act;
 mod backlog;
 mod clerk;
+mod columns;
 mod entries;
+mod event_rows;
 mod export;
 mod hours;
 mod incident_rows;

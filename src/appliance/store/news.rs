@@ -1,7 +1,7 @@
 //! The news of the store: every event, and everything that became of an incident, in the order of writing.
 
-use super::entries::{digits, some_text, text};
-use super::incident_rows::level;
+use super::columns::{level, some_text, text};
+use super::entries::digits;
 use super::reader::StoreReader;
 use super::trouble::Trouble;
 use crate::time::Timestamp;

@@ -1,7 +1,7 @@
 //! What is searched for.
 
+use super::event_rows::compact;
 use super::note::EventKind;
-use super::rows::compact;
 use super::trouble::Trouble;
 use crate::alarm::Level;
 use crate::time::Timestamp;

@@ -1,14 +1,14 @@
 //! Reading the store: what a page or a script shows.
 
+use super::columns::{MACHINE, text};
 use super::entries::{
     ALARM_COLUMNS, ENTRY_COLUMNS, alarm_entry, entry, hour_entry, incident_page, is_damaged,
-    seconds, stop_entry, text, warning_entry,
+    seconds, stop_entry, warning_entry,
 };
 pub use super::entries::{
     ActEntry, AlarmEntry, EventEntry, HourEntry, IncidentFields, IncidentPage, Revision, StopEntry,
     WarningEntry,
 };
-use super::incident_rows::MACHINE;
 use super::query::Filter;
 use super::schema;
 use super::trouble::Trouble;

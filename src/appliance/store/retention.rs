@@ -1,6 +1,6 @@
 //! What gives way, so that the database keeps to its size and its age.
 
-use super::schema;
+use super::schema::{self, RESERVE};
 use super::trouble::Trouble;
 use crate::time::{Span, Timestamp};
 use rusqlite::{Connection, TransactionBehavior, params};
@@ -10,9 +10,6 @@ const SHARE: u64 = 90;
 
 /// Events that give way in one transaction.
 const ROWS: u32 = 256;
-
-/// Part of the size that is left for the log, bytes.
-pub(super) const RESERVE: u64 = 3 << 19;
 
 /// Most such pieces in a step.
 const PIECES: usize = 8;

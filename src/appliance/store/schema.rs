@@ -1,7 +1,6 @@
 //! The database: its tables, version by version, and opening it.
 
-use super::entries::text;
-use super::retention::RESERVE;
+use super::columns::text;
 use super::trouble::Trouble;
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use std::path::Path;
@@ -9,6 +8,9 @@ use std::time::Duration;
 
 /// Marks a database as an event store: "TERT".
 const APPLICATION: i32 = 0x5445_5254;
+
+/// Part of the size that is left for the log, bytes.
+pub(super) const RESERVE: u64 = 3 << 19;
 
 /// Longest wait for another process that has locked the database. Notes gather meanwhile.
 const PATIENCE: Duration = Duration::from_millis(250);

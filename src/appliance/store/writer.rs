@@ -2,10 +2,10 @@
 
 use super::act::{ActError, ActRequest};
 use super::backlog::Backlog;
+use super::event_rows::Rows;
 use super::note::Note;
 use super::plan::Plan;
 use super::retention::{self, Aging, Left, Limits};
-use super::rows::Rows;
 use super::shared::{Shared, StoreState};
 use super::trouble::Trouble;
 use super::vault::Vault;

@@ -2,7 +2,7 @@
 
 use super::super::facts::Ages;
 use super::super::kernel::running;
-use super::uptime;
+use super::computer::uptime;
 use crate::time::Span;
 use std::fs;
 use std::path::{Path, PathBuf};

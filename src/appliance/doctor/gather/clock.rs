@@ -1,7 +1,7 @@
 //! The system's clock: whether it is set meanwhile, and by whom.
 
 use super::super::facts::{ClockFacts, ClockSource};
-use super::said_by;
+use super::computer::said_by;
 use crate::time::Span;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};

@@ -2,7 +2,7 @@
 
 use super::super::facts::{DiskFacts, Wear};
 use super::super::kernel::{Mount, written};
-use super::uptime;
+use super::computer::uptime;
 use nix::sys::statvfs::statvfs;
 use std::collections::BTreeMap;
 use std::fs;
