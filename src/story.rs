@@ -14,6 +14,7 @@ use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
 use crate::config::MachineNames;
 use crate::incident::{Ending, Incident, Naming, Quantity, Scope};
+use crate::length::Millimetres;
 use crate::sample::Transducer;
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
@@ -58,7 +59,7 @@ pub fn kind(incident: &Incident) -> String {
         return scale_error(gain);
     }
     match (incident.fault, incident.size) {
-        (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
+        (Fault::Abrupt, Some(size)) => format!("step of {}", Millimetres(size.abs())),
         (kind, _) => match process_size(incident) {
             Some(size) => format!("{} ({size})", fault(kind)),
             None if incident.scope.cylinder().is_none() => in_common(kind).to_owned(),
@@ -170,7 +171,7 @@ pub const fn quantity(quantity: Quantity) -> &'static str {
 
 /// How bad it got: `R3 up to 2.00 mm (limit 1.50 mm)`.
 pub fn largest(which: Quantity, peak: f64, limit: f64) -> String {
-    let (name, peak, limit) = (quantity(which), millimetres(peak.abs()), millimetres(limit));
+    let (name, peak, limit) = (quantity(which), Millimetres(peak.abs()), Millimetres(limit));
     format!("{name} up to {peak} (limit {limit})")
 }
 
@@ -377,12 +378,6 @@ pub fn detectors(incident: &Incident) -> Vec<Detector> {
         parts.filter(|(_, part)| part.is_some()).map(|(detector, _)| detector).collect();
     risen.dedup();
     risen
-}
-
-/// Two decimals below 10 mm, one beyond.
-pub fn millimetres(metres: f64) -> String {
-    let mm = metres * 1e3;
-    if mm.abs() < 10.0 { format!("{mm:.2} mm") } else { format!("{mm:.1} mm") }
 }
 
 /// A span in the unit that a person would choose.

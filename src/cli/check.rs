@@ -14,8 +14,8 @@ use crate::config::settings::{CylinderSignals, bus_of};
 use crate::config::units::Converted;
 use crate::decode::Raw;
 use crate::failure::print;
+use crate::length::Millimetres;
 use crate::report::alignment;
-use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
 use clap::Args;
@@ -272,7 +272,7 @@ fn stops(machine: &Machine) -> String {
     };
     match history::lack(machine) {
         None => {
-            let limit = millimetres(settings.drift_limits().maintenance);
+            let limit = Millimetres(settings.drift_limits().maintenance).chosen();
             let states = states.join(" or ");
             format!("\nend stops   read when {states}; due after {limit}; {kept}\n")
         }

@@ -1,7 +1,7 @@
 //! What is said of cylinders without a calibration, whose C1 and C2 differ by an amount that is not known.
 
 use super::Episodes;
-use crate::story;
+use crate::length::Millimetres;
 use crate::verdict::Fault;
 
 /// What to do about it.
@@ -25,7 +25,7 @@ pub fn remark(episodes: &Episodes) -> Option<String> {
     of.sort_unstable();
     of.dedup();
     let most = unaligned().filter_map(|it| it.finding.residual).map(f64::abs).reduce(f64::max)?;
-    let (whose, most) = (cylinders(&of), story::millimetres(most));
+    let (whose, most) = (cylinders(&of), Millimetres(most));
     Some(format!(
         "`[[cylinder]]`, {RUN}. C1 and C2 of {whose} differed from the start, by up to {most}. Without a calibration \
          this says nothing of a transducer and is no incident"

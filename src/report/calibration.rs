@@ -5,6 +5,7 @@ use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, LearntExcursions, Scatter, TriedBand};
 use crate::config::settings::{CylinderProcess, FrictionTable};
 use crate::extremes::four_digits;
+use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
@@ -52,10 +53,10 @@ pub fn lines(result: &Calibration) -> Section {
         table.add_row([
             cylinder.number.to_string(),
             format!("{:.6} ± {:.0e}", fitted.line.gain, fitted.errors[0]),
-            format!("{:.4} mm ± {:.0e}", fitted.line.offset * 1e3, fitted.errors[1] * 1e3),
-            format!("{:.4} mm", fitted.rms * 1e3),
+            format!("{:.4} ± {:.0e}", Millimetres(fitted.line.offset), fitted.errors[1] * 1e3),
+            format!("{:.4}", Millimetres(fitted.rms)),
             fitted.rows.to_string(),
-            format!("{} beyond {:.2} mm", fitted.trimmed, fitted.limit * 1e3),
+            format!("{} beyond {:.2}", fitted.trimmed, Millimetres(fitted.limit)),
         ]);
     }
     table.about("C1 = a·C2 + b (5-20), least squares without the samples left out")
@@ -73,8 +74,8 @@ pub fn bands(result: &Calibration) -> Section {
             cylinder.number.to_string(),
             format!("{:.3} to {:.3} mm", before.low * 1e3, before.high * 1e3),
             format!("{:.3} to {:.3} mm", after.low * 1e3, after.high * 1e3),
-            format!("{:.3} mm", tried.magnitudes.quantile(0.999).unwrap_or(0.0) * 1e3),
-            format!("{:.4} mm", after.rms() * 1e3),
+            format!("{:.3}", Millimetres(tried.magnitudes.quantile(0.999).unwrap_or(0.0))),
+            format!("{:.4}", Millimetres(after.rms())),
             faulty(tried),
         ]);
     }
@@ -93,12 +94,12 @@ pub fn sequential(result: &Calibration) -> Section {
         table.add_row([
             cylinder.number.to_string(),
             format!("{known:.1} m"),
-            format!("{:.4} mm", scatter.deviation * 1e3),
-            format!("{:.3} mm", scatter.largest * 1e3),
+            format!("{:.4}", Millimetres(scatter.deviation)),
+            format!("{:.3}", Millimetres(scatter.largest)),
             format!("{:.3} ms", reference.velocity * 1e3),
             scatter
                 .prediction
-                .map_or("none".to_owned(), |it| format!("{:.4} mm", it.deviation * 1e3)),
+                .map_or("none".to_owned(), |it| format!("{:.4}", Millimetres(it.deviation))),
             cylinder.level.map_or("by rate".to_owned(), |nats| format!("{nats:.2} nats")),
         ]);
     }
@@ -130,7 +131,7 @@ pub fn excursions(result: &Calibration) -> Section {
         };
         let LearntExcursions { rate, directions: [up, down], sizes, lengths, smallest, .. } =
             learnt;
-        let millimetres = |size: f64| format!("{:.2} mm", size * 1e3);
+        let millimetres = |size: f64| format!("{:.2}", Millimetres(size));
         let step = |within: usize| {
             let size = smallest[within].size;
             size.map_or_else(|| "none".to_owned(), millimetres)
@@ -210,11 +211,11 @@ fn coulomb(table: &FrictionTable) -> String {
 
 fn faulty(tried: &TriedBand) -> String {
     match tried.faulty {
-        0 => format!("none beyond {:.2} mm", tried.limit() * 1e3),
+        0 => format!("none beyond {:.2}", Millimetres(tried.limit())),
         some => format!(
-            "{some} beyond {:.2} mm, up to {:.2} mm",
-            tried.limit() * 1e3,
-            tried.worst_faulty * 1e3
+            "{some} beyond {:.2}, up to {:.2}",
+            Millimetres(tried.limit()),
+            Millimetres(tried.worst_faulty)
         ),
     }
 }
@@ -223,8 +224,8 @@ fn faulty(tried: &TriedBand) -> String {
 pub fn bound(result: &Calibration) -> String {
     match &result.bound {
         Some(bound) => format!(
-            "proposed bound of R3: {:.3} mm\n  {}\n",
-            four_digits(bound.level) * 1e3,
+            "proposed bound of R3: {:.3}\n  {}\n",
+            Millimetres(four_digits(bound.level)),
             meaning(bound).join("\n  ")
         ),
         None => "no bound is proposed: the second part has less than 50 s (50 times \
@@ -245,7 +246,7 @@ pub fn verdict(result: &Calibration) -> (bool, String) {
     let taught = result.cylinders.iter().filter(|it| it.sequential.is_some()).count();
     let bound = result.bound.as_ref().map_or_else(
         || "no bound of R3 is proposed".to_owned(),
-        |bound| format!("R3 may be bounded at {:.3} mm", four_digits(bound.level) * 1e3),
+        |bound| format!("R3 may be bounded at {:.3}", Millimetres(four_digits(bound.level))),
     );
     let text = format!(
         "C2 is corrected on {corrected} of {all} cylinders, and the sequential detectors of {taught} are calibrated; \

@@ -2,6 +2,7 @@
 
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, CylinderCalibration, Profile};
+use crate::length::Millimetres;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::sequential::statistic::DEAD_BAND;
 
@@ -23,15 +24,15 @@ pub fn section(result: &Calibration) -> Section {
             told(&known(profile)),
             told(&profile.reference.spans(DEAD_BAND, LARGEST_DOUBT)),
             format!("{:.1} min", samples as f64 * cylinder.sample_time / 60.0),
-            format!("{:.2} mm", profile.bend * 1e3),
+            format!("{:.2}", Millimetres(profile.bend)),
         ]);
     }
     table.about(format!(
-        "where on the stroke the sequential detectors know C1 − C2 to {:.1} mm (three standard deviations) or better; in \
-         thin places they do not know it to {:.1} mm, so that small faults take longer there; elsewhere their \
+        "where on the stroke the sequential detectors know C1 − C2 to {:.1} (three standard deviations) or better; in \
+         thin places they do not know it to {:.1}, so that small faults take longer there; elsewhere their \
         verdict is unknown; and the bend of the profile that is assumed from node to node",
-        LARGEST_DOUBT * 1e3,
-        DEAD_BAND * 1e3
+        Millimetres(LARGEST_DOUBT),
+        Millimetres(DEAD_BAND)
     ))
 }
 

@@ -2,6 +2,7 @@
 
 use super::wording::{capitalised, counted};
 use crate::config::MachineNames;
+use crate::length::Millimetres;
 use crate::monitor::{Answer, Explained, Explanation};
 use crate::story;
 use std::fmt::Write;
@@ -20,9 +21,8 @@ pub fn text(explained: &Explained, names: &MachineNames, at: f64) -> String {
     for one in &explained.findings {
         let Explanation { cylinder, detector, finding, answers } = one;
         let (residual, threshold) = (finding.residual, finding.threshold);
-        let size = residual.map_or(String::new(), |it| format!(", {}", story::millimetres(it)));
-        let limit =
-            threshold.map_or(String::new(), |it| format!(", limit {}", story::millimetres(it)));
+        let size = residual.map_or(String::new(), |it| format!(", {}", Millimetres(it)));
+        let limit = threshold.map_or(String::new(), |it| format!(", limit {}", Millimetres(it)));
         let (cylinder, detector) = (names.cylinder(*cylinder), detector.label());
         let kind = story::what(finding.suspect, finding.fault);
         let suspect = story::suspect_word(finding.suspect);

@@ -5,6 +5,7 @@ use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
 use crate::identify::qr::Regression;
 use crate::identify::validate::SignalScore;
+use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
@@ -173,8 +174,8 @@ pub fn own_scores(outcome: &Outcome) -> Section {
                 if name == "simulated" { cylinder.number.to_string() } else { String::new() },
                 name.to_owned(),
                 format!("{:.3} %", l.vaf()),
-                format!("{:.3} mm", l.rms() * 1e3),
-                format!("{:.2} mm", l.largest() * 1e3),
+                format!("{:.3}", Millimetres(l.rms())),
+                format!("{:.2}", Millimetres(l.largest())),
                 format!("{:.3} %", v.vaf()),
                 format!("{:.2} mm/s", v.rms() * 1e3),
                 format!("{:.1} mm/s", v.largest() * 1e3),

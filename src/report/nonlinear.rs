@@ -5,6 +5,7 @@ use crate::identify::flow::{FEWEST, FlowCurve, MEMBERSHIPS, NoFlow};
 use crate::identify::friction::{FrictionCurve, NoFriction};
 use crate::identify::nonlinear::Nonlinear;
 use crate::identify::valve::IdentifiedValve;
+use crate::length::Millimetres;
 use crate::tables::cylinders::by_cylinders;
 use std::fmt::Write as _;
 
@@ -36,7 +37,7 @@ pub fn valves(nonlinear: &Nonlinear) -> Section {
             format!("{stiffening:.0}"),
             format!("{:.2}", -curve.leakage * stiffening),
             format!("{:.3} %", l.vaf()),
-            format!("{:.1} mm", l.rms() * 1e3),
+            format!("{:.1}", Millimetres(l.rms())),
             format!("{:.3} %", v.vaf()),
             format!("{:.2} mm/s", v.rms() * 1e3),
         ]);

@@ -1,6 +1,7 @@
 //! Readings on the mechanical stops and their trends, in numbers and words.
 
 use crate::config::MachineNames;
+use crate::length::Millimetres;
 use crate::sample::Transducer;
 use crate::sequential::{Blame, DriftLimits, DwellHistory, Forecast, Judgement, Trend, stops};
 use serde::Serialize;
@@ -120,7 +121,8 @@ impl<'a> Stops<'a> {
 
     pub fn columns(&self) -> Vec<String> {
         let DriftLimits { maintenance, critical } = self.limits;
-        let limits = [maintenance, critical].map(|limit| format!("until {}", millimetres(limit)));
+        let limits =
+            [maintenance, critical].map(|limit| format!("until {}", Millimetres(limit).chosen()));
         COLUMNS.map(str::to_owned).into_iter().chain(limits).collect()
     }
 
@@ -220,7 +222,12 @@ pub fn sentence(trend: &Trend, limit: f64, until: Option<Forecast>) -> String {
     match until {
         Some(forecast) => {
             let in_time = if forecast.expected > 0.0 { "in " } else { "" };
-            format!("{} a month; {} {in_time}{}", speed(trend), millimetres(limit), left(until))
+            format!(
+                "{} a month; {} {in_time}{}",
+                speed(trend),
+                Millimetres(limit).chosen(),
+                left(until)
+            )
         }
         None => format!("no drift seen ({} a month)", speed(trend)),
     }
@@ -257,12 +264,6 @@ fn unit(months: f64) -> (f64, &'static str) {
         .into_iter()
         .find(|(unit, _)| months >= 2.0 * unit)
         .unwrap_or((1.0 / (24.0 * DAYS), "hours"))
-}
-
-/// A length in hundredths of a millimetre.
-pub fn millimetres(metres: f64) -> String {
-    let mm = (metres * 1e5).round() / 100.0;
-    format!("{mm} mm")
 }
 
 fn signed(metres: f64) -> String {

@@ -2,6 +2,7 @@
 
 use super::sheet::{Section, Sheet};
 use crate::extremes::{HOURS_PER_YEAR, four_digits, per_second, times};
+use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::tables::tuning::{length, meaning, name, sequential_meaning};
 use crate::tune::criterion::STEP;
@@ -42,9 +43,9 @@ pub fn search(search: &Search) -> Section {
             name.to_owned(),
             format!("{:.2e} {:.2e} {:.2e}", q[0], q[1], q[2]),
             format!("{:.2e} {:.2e}", r[0], r[1]),
-            format!("{:.3} mm", threshold * 1e3),
-            format!("{:.2} mm", peak * STEP * 1e3),
-            format!("{:.2} mm", incipient * 1e3),
+            format!("{:.3}", Millimetres(*threshold)),
+            format!("{:.2}", Millimetres(peak * STEP)),
+            format!("{:.2}", Millimetres(*incipient)),
             format!("{settled} cycles"),
             if times.is_finite() { format!("{times:.2}") } else { "not sharp".to_owned() },
         ]);
@@ -88,14 +89,14 @@ pub fn tails(result: &Tuning) -> Section {
             number,
             residual,
             format!("{:.4}", tail.seconds / 3600.0),
-            format!("{:.3} mm", detector.residuals.rms() * 1e3),
-            format!("{:.3} mm", detector.magnitudes.quantile(0.999).unwrap_or(0.0) * 1e3),
-            format!("{:.3} mm", tail.worst * 1e3),
-            format!("{:.3} mm", tail.floor * 1e3),
+            format!("{:.3}", Millimetres(detector.residuals.rms())),
+            format!("{:.3}", Millimetres(detector.magnitudes.quantile(0.999).unwrap_or(0.0))),
+            format!("{:.3}", Millimetres(tail.worst)),
+            format!("{:.3}", Millimetres(tail.floor)),
             tail.peaks.to_string(),
-            format!("{:.4} mm", tail.mean * 1e3),
+            format!("{:.4}", Millimetres(tail.mean)),
             format!("{:.2}", tail.pareto.shape),
-            format!("{:.4} mm", tail.pareto.scale * 1e3),
+            format!("{:.4}", Millimetres(tail.pareto.scale)),
             if tail.heavy { "Pareto".to_owned() } else { "exponential".to_owned() },
             format!("{:.3} ± {:.3} mm", tail.level(rate) * 1e3, tail.error(rate) * 1e3),
         ]);
@@ -182,8 +183,8 @@ pub fn sensitivity(result: &Tuning) -> Section {
     }
     table.about(format!(
         "what is found: steps within 0.1 s in 95 % of the stored places, noise (5-17) within 1 s in \
-         95 % of trials; σ = {:.3} mm",
-        result.sigma * 1e3
+         95 % of trials; σ = {:.3}",
+        Millimetres(result.sigma)
     ))
 }
 

@@ -6,6 +6,7 @@ use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::config::MachineNames;
 use crate::incident::Incident;
+use crate::length::Millimetres;
 use crate::monitor::Notice;
 use crate::process;
 use crate::sequential::Unknown;
@@ -53,7 +54,7 @@ pub const LEVEL_COLUMN: usize = 3;
 /// A row in the order of [`INCIDENT_COLUMNS`].
 pub fn incident_row(zone: &Zone, incident: &Incident, names: &MachineNames) -> [String; 7] {
     let largest = incident.worst().map_or("–".to_owned(), |(quantity, peak)| {
-        let (name, size) = (story::quantity(quantity), story::millimetres(peak.value.abs()));
+        let (name, size) = (story::quantity(quantity), Millimetres(peak.value.abs()).to_string());
         format!("{} {}", name.replace(" − ", "−"), size.trim_end_matches(" mm"))
     });
     let over = || if incident.stands() { "stands" } else { "–" }.to_owned();
@@ -89,7 +90,7 @@ pub fn incident_story(zone: &Zone, incident: &Incident, names: &MachineNames) ->
 /// A row for each cylinder.
 pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 8]> {
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
-        let [r1, r2, r3] = tally.worst.map(|worst| worst.map_or("–".to_owned(), millimetres));
+        let [r1, r2, r3] = tally.worst.map(millimetres);
         [
             summary.names.short(number),
             tally.gated.to_string(),
@@ -204,7 +205,6 @@ pub fn episode_row(first: Timestamp, episode: &Episode, names: &MachineNames) ->
         Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),
         None => "still raised".to_owned(),
     };
-    let millimetres = |value: Option<f64>| value.map_or("–".to_owned(), millimetres);
     [
         clock(episode.raised.since(first).as_seconds()),
         log_time(episode.raised),
@@ -285,12 +285,13 @@ pub fn capitalised(text: &str) -> String {
     })
 }
 
-fn spaced(name: &str) -> String {
-    name.replace('_', " ")
+/// A residual or a limit; a dash without one.
+fn millimetres(metres: Option<f64>) -> String {
+    metres.map_or("–".to_owned(), |it| format!("{:.2}", Millimetres(it)))
 }
 
-fn millimetres(metres: f64) -> String {
-    format!("{:.2} mm", metres * 1e3)
+fn spaced(name: &str) -> String {
+    name.replace('_', " ")
 }
 
 /// A time as candump writes it, so that it can be searched for in the log: six decimals, or nine

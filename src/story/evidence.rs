@@ -1,8 +1,9 @@
 //! Why an incident is what it is: what spoke up, in the order of time, and what stayed quiet.
 
-use super::{millimetres, naming, span};
+use super::{naming, span};
 use crate::alarm::detector::WarningPlace;
 use crate::incident::{Incident, Outset, Part, Quantity};
+use crate::length::Millimetres;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony};
 
@@ -31,7 +32,7 @@ pub fn evidence(incident: &Incident) -> String {
 fn conclusion(incident: &Incident) -> String {
     let is_alone = incident.is_alone();
     if let Some(part) = common_jump(incident) {
-        let jump = millimetres(part.finding.residual.unwrap_or_default().abs());
+        let jump = Millimetres(part.finding.residual.unwrap_or_default().abs());
         return format!("both jumped by {jump}, as no rod does, so it is what C1 and C2 share");
     }
     match (departure(incident), incident.suspect) {
@@ -192,7 +193,7 @@ fn is_of_an_only_one(incident: &Incident, part: &Part) -> bool {
 }
 
 fn stood(part: &Part) -> Observation {
-    let moved = millimetres(part.finding.residual.unwrap_or_default().abs());
+    let moved = Millimetres(part.finding.residual.unwrap_or_default().abs());
     let clause = format!("on its stop C1 read {moved} beside what it read there before");
     Observation::new(part.raised, clause)
 }
@@ -232,7 +233,7 @@ fn departed((name, part): (&'static str, &Part)) -> Observation {
 pub(super) fn beside(part: &Part) -> String {
     let [error, limit] =
         [part.finding.residual, part.finding.threshold].map(|it| it.unwrap_or_default().abs());
-    format!("{} (limit {})", millimetres(error), millimetres(limit))
+    format!("{} (limit {})", Millimetres(error), Millimetres(limit))
 }
 
 /// What many samples together say.
@@ -255,7 +256,7 @@ fn sampled(part: &Part, what: &str) -> Observation {
 /// What the deck's attitude says of a single transducer.
 fn tilted(part: &Part) -> Observation {
     let size =
-        part.finding.residual.map_or(String::new(), |it| format!(" by {}", millimetres(it.abs())));
+        part.finding.residual.map_or(String::new(), |it| format!(" by {}", Millimetres(it.abs())));
     let nats = part.finding.evidence.and_then(|it| it.location);
     let nats = nats.map_or(String::new(), |it| format!(" ({it:.0} nats)"));
     let clause =
@@ -303,7 +304,7 @@ fn quiet(incident: &Incident) -> Vec<String> {
                     (false, true) => "stayed quiet",
                     (false, false) => "was not judged at first, then stayed quiet",
                 };
-                format!("{name} {how} ({} of {})", millimetres(size), millimetres(limit))
+                format!("{name} {how} ({} of {})", Millimetres(size), Millimetres(limit))
             }
             None => format!("{name} was not judged"),
         })

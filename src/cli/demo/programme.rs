@@ -3,6 +3,7 @@
 use crate::config::Settings;
 use crate::config::settings::Role;
 use crate::inject::{Fault, SpecError};
+use crate::length::Millimetres;
 use crate::simulator::Tables;
 
 /// A fault of the demonstration.
@@ -93,16 +94,11 @@ fn rounded(size: f64) -> f64 {
     (size * 1e5).round() / 1e5
 }
 
-/// `size`, m, in millimetres.
-fn millimetres(size: f64) -> f64 {
-    (size * 1e5).round() / 1e2
-}
-
 fn acts(settings: &Settings) -> Vec<Act> {
     let (high, bound) = (settings.fde.high, settings.comparator.bound);
     let sizes = [(2.0 * high).max(1.25 * bound), 1.7 * high, bound / 1.5];
     let [step, noise, rate] = sizes.map(rounded);
-    let [jump, rough, slow] = [step, noise, rate].map(millimetres);
+    let [jump, rough, slow] = [step, noise, rate].map(|it| Millimetres(it).chosen());
     let of_six = |number| of_six(number, settings.machine.cylinders);
     let act = |number, faulty, title: String, hint, spec: String| {
         let cylinder = of_six(number);
@@ -115,14 +111,14 @@ fn acts(settings: &Settings) -> Vec<Act> {
         act(
             3,
             "c1",
-            format!("C1 of cylinder {{n}} jumps by {jump} mm"),
+            format!("C1 of cylinder {{n}} jumps by {jump}"),
             "R1 and R3 jump, R2 does not: so it is C1",
             format!("step,cylinder={{n}},sensor=c1,size={step}"),
         ),
         act(
             5,
             "c2",
-            format!("C2 of cylinder {{n}} gets noise of {rough} mm"),
+            format!("C2 of cylinder {{n}} gets noise of {rough}"),
             "R2 crosses its limit again and again, R1 does not: so it is C2",
             format!("noise,cylinder={{n}},sensor=c2,size={noise}"),
         ),
@@ -131,7 +127,7 @@ fn acts(settings: &Settings) -> Vec<Act> {
             ..act(
                 2,
                 "c1",
-                format!("C1 of cylinder {{n}} drifts by {slow} mm/s"),
+                format!("C1 of cylinder {{n}} drifts by {slow}/s"),
                 "observers follow a drift: only R3 grows, the suspect stays undecided",
                 format!("drift,cylinder={{n}},sensor=c1,rate={rate}"),
             )

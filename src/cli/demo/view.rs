@@ -1,6 +1,7 @@
 //! The scene as lines of at most 80 columns.
 
 use super::scene::{FRAMES, Row, Scene, TOLD};
+use crate::length::Millimetres;
 use console::{Color, style};
 
 /// Number of cells of a bar up to the limit; one more shows that it is crossed.
@@ -37,7 +38,7 @@ fn heading(scene: &Scene) -> String {
 fn header(limits: [f64; 3]) -> String {
     let mut text = "  n    C1 mm state      C2 mm state  ".to_owned();
     for (which, limit) in limits.into_iter().enumerate() {
-        text += &format!(" R{} of {:.2} mm", which + 1, limit * 1e3);
+        text += &format!(" R{} of {:.2}", which + 1, Millimetres(limit));
     }
     dim(&text)
 }

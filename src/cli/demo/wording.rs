@@ -1,6 +1,7 @@
 //! Texts for the frames that were received.
 
 use super::listener::{Limit, Status, Warning};
+use crate::length::Millimetres;
 
 /// Suspect of a warning, for people.
 pub fn suspect(name: &str) -> &'static str {
@@ -23,12 +24,10 @@ pub fn warning(warning: &Warning) -> String {
     let whom = suspect(&warning.suspect);
     let mut text = format!("{detector} {whom} of cylinder {cylinder}: {fault}");
     if let Some(residual) = warning.residual {
-        let size = residual.abs() * 1e3;
-        let digits = if size < 10.0 { 2 } else { 1 };
-        text += &format!(", {size:.digits$} mm");
+        text += &format!(", {}", Millimetres(residual.abs()));
         text += &match warning.threshold {
-            Some(Limit::Of(limit)) => format!(" (limit {:.2} mm)", limit * 1e3),
-            Some(Limit::Above(limit)) => format!(" (limit above {:.1} mm)", limit * 1e3),
+            Some(Limit::Of(limit)) => format!(" (limit {:.2})", Millimetres(limit)),
+            Some(Limit::Above(limit)) => format!(" (limit above {:.1})", Millimetres(limit)),
             None => String::new(),
         };
     }

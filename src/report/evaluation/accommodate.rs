@@ -2,6 +2,7 @@
 
 use super::percent;
 use crate::evaluate::accommodate::{AccommodateFigures, AccommodateResult};
+use crate::length::Millimetres;
 use crate::report::sheet::{Section, Sheet};
 
 /// The estimates by a transducer less its step, and those of the same machines without accommodation.
@@ -19,8 +20,9 @@ pub fn section(result: &AccommodateResult) -> Section {
     for figures in &result.cases {
         let AccommodateFigures { grade, label, accommodates, cylinders, valid, .. } = figures;
         let AccommodateFigures { errors, wrong, wrong_for: [median, most], .. } = figures;
-        let errors = errors
-            .map(|[median, largest]| format!("{:.2} mm, {:.2} mm", median * 1e3, largest * 1e3));
+        let errors = errors.map(|[median, largest]| {
+            format!("{:.2}, {:.2}", Millimetres(median), Millimetres(largest))
+        });
         sheet.add_row([
             (*grade).to_owned(),
             label.clone(),

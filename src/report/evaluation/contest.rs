@@ -2,6 +2,7 @@
 
 use super::{percent, rate, seconds, suspects};
 use crate::evaluate::contest::{GradeResult, Rival, RowFigures};
+use crate::length::Millimetres;
 use crate::report::sheet::{Section, Sheet};
 
 /// All tables of the contest.
@@ -49,7 +50,7 @@ fn hours(results: &[GradeResult]) -> Section {
             number(hours.expected, 3),
             format!("{:.2} nats", hours.largest[Rival::Sequential as usize]),
             number(hours.level_of_one, 2),
-            format!("{:.4} mm", hours.deviation * 1e3),
+            format!("{:.4}", Millimetres(hours.deviation)),
         ]);
     }
     sheet.about(

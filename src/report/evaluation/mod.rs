@@ -16,6 +16,7 @@ use crate::evaluate::{
     CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, IncidentFigures, Plan, Proportion,
     RowResult, Study, SuspectFigures, WITHIN,
 };
+use crate::length::Millimetres;
 use serde::Serialize;
 
 /// Fixed parts of the JSON, between the values.
@@ -285,7 +286,7 @@ fn estimates(results: &[EstimateResult]) -> Section {
         "within 2 σ",
     ]);
     for result in results {
-        let mm = |metres: f64| format!("{:.2} mm", metres * 1e3);
+        let mm = |metres: f64| format!("{:.2}", Millimetres(metres));
         let mut cells = vec![
             result.case.to_owned(),
             result.grade.to_owned(),
@@ -333,7 +334,8 @@ fn suspects(figures: &SuspectFigures) -> String {
 /// Events a year, with as many digits as are significant.
 /// Median and 95th percentile of lengths in m, where there are any.
 fn millimetres(both: &Option<[f64; 2]>) -> String {
-    let text = |[median, late]: [f64; 2]| format!("{:.1} mm, {:.1} mm", 1e3 * median, 1e3 * late);
+    let text =
+        |[median, late]: [f64; 2]| format!("{:.1}, {:.1}", Millimetres(median), Millimetres(late));
     both.map_or_else(|| "–".to_owned(), text)
 }
 

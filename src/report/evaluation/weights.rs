@@ -2,6 +2,7 @@
 
 use super::{percent, rate};
 use crate::evaluate::weights::{FAULTS, SetResult};
+use crate::length::Millimetres;
 use crate::report::sheet::{Section, Sheet};
 
 /// One row for each set on each kind of transducers.
@@ -34,7 +35,7 @@ pub fn section(results: &[SetResult]) -> Section {
         ];
         cells.extend((0..3).map(|at| {
             let level = result.levels.map(|levels| levels[at]);
-            level.map_or("–".to_owned(), |level| format!("{:.2} mm", level * 1e3))
+            level.map_or("–".to_owned(), |level| format!("{:.2}", Millimetres(level)))
         }));
         let found = result.seen.iter().flat_map(|seen| &seen.faults);
         cells.extend(found.map(|fault| percent(&fault.found)));

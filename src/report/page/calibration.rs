@@ -9,6 +9,7 @@ use super::html::capitalised;
 use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
 use crate::extremes::four_digits;
+use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
@@ -152,11 +153,11 @@ fn scale(
 }
 
 fn with_bounds(panel: Panel, result: &Calibration, configured: f64) -> Panel {
-    let name = format!("R3's bound as configured: {:.2} mm", 1e3 * configured);
+    let name = format!("R3's bound as configured: {:.2}", Millimetres(configured));
     let panel = panel.with_bounds(&name, palette::LOW, 1e3 * configured);
     match bound(result) {
         Some(level) => {
-            let name = format!("R3's bound as proposed: {:.3} mm", 1e3 * level);
+            let name = format!("R3's bound as proposed: {:.3}", Millimetres(level));
             panel.with_bounds(&name, palette::HIGH, 1e3 * level)
         }
         None => panel,

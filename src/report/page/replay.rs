@@ -9,6 +9,7 @@ use super::{Page, histogram::Histogram, incidents, stops};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::config::MachineNames;
+use crate::length::Millimetres;
 use crate::report::human::{self, Heading, Notices};
 use crate::report::{Summary, verdict, wording};
 
@@ -156,9 +157,9 @@ fn residual(
     let mut beyond = String::new();
     if largest > reach {
         beyond = format!(
-            "\n{} goes up to {:.2} mm, beyond its scale: ▲▼ at the border.",
+            "\n{} goes up to {:.2}, beyond its scale: ▲▼ at the border.",
             RESIDUALS[i],
-            mm(largest)
+            Millimetres(largest)
         );
     }
     (panel, beyond)
@@ -166,13 +167,17 @@ fn residual(
 
 /// Adds both thresholds of the residual `i`.
 fn thresholds(panel: Panel, i: usize, bounds: Bounds) -> Panel {
-    let (low, high) = (mm(bounds.low), mm(bounds.high));
+    let [low, high] = [bounds.low, bounds.high].map(Millimetres);
     let [clears, raises] = if i < 2 {
-        [format!("δ_l of R1, R2: {low:.2} mm"), format!("δ_h of R1, R2: {high:.2} mm")]
+        [format!("δ_l of R1, R2: {low:.2}"), format!("δ_h of R1, R2: {high:.2}")]
     } else {
-        [format!("R3 clears below {low:.2} mm"), format!("bound of R3: {high:.2} mm")]
+        [format!("R3 clears below {low:.2}"), format!("bound of R3: {high:.2}")]
     };
-    panel.with_bounds(&clears, palette::LOW, low).with_bounds(&raises, palette::HIGH, high)
+    panel.with_bounds(&clears, palette::LOW, mm(bounds.low)).with_bounds(
+        &raises,
+        palette::HIGH,
+        mm(bounds.high),
+    )
 }
 
 /// Index of the residual that a detector judges; `None` where it judges none.
@@ -339,7 +344,7 @@ fn distribution(i: usize, names: &MachineNames, recorded: &Recorded) -> Option<(
         curves.insert(0, together.shaped(Shape::Bars));
     }
     let reach = mm(all.reach());
-    let label = format!("cycles in {:.3} mm", mm(all.width()));
+    let label = format!("cycles in {:.3}", Millimetres(all.width()));
     let mut panel = Panel::new(190, Axis::log(&label, 0.6, 2.0 * most).with_ticks(6), curves);
     // The same names as the levels of the panels above.
     let levels =

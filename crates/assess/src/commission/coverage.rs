@@ -1,6 +1,7 @@
 //! What a longer recording would add, and where on the stroke.
 
 use super::stages::Taught;
+use tertius_core::length::Millimetres;
 use tertius_core::sequential::Reference;
 use tertius_core::sequential::reference::LARGEST_DOUBT;
 use tertius_core::sequential::wild::Outliers;
@@ -68,10 +69,10 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let bound = taught.calibration.as_ref().and_then(|it| it.bound);
     wins.extend(bound.filter(|bound| bound.level > WORTH * LEAST_BOUND).map(|bound| {
         format!(
-            "R3's bound is {} instead of the thesis's {:.1} mm because it is extrapolated to {} times the evidence. With \
+            "R3's bound is {} instead of the thesis's {:.1} because it is extrapolated to {} times the evidence. With \
              more evidence it falls, at best to {}: 1.2 times the largest difference, and no less than the thesis's.",
             length(four_digits(bound.level)),
-            LEAST_BOUND * 1e3,
+            Millimetres(LEAST_BOUND),
             times(HOURS_PER_YEAR / bound.per_year / bound.hours),
             length((1.2 * bound.worst).max(LEAST_BOUND))
         )
@@ -80,10 +81,10 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let thresholds = tuning.map(|it| it.thresholds);
     wins.extend(thresholds.filter(|it| it.high > WORTH * LEAST_HIGH).map(|it| {
         format!(
-            "δ_h is {} instead of the thesis's {:.0} mm because it is extrapolated to {} times the evidence. With more \
+            "δ_h is {} instead of the thesis's {:.0} because it is extrapolated to {} times the evidence. With more \
              evidence it may fall.",
             length(four_digits(it.high)),
-            LEAST_HIGH * 1e3,
+            Millimetres(LEAST_HIGH),
             times(HOURS_PER_YEAR / it.per_year / it.hours)
         )
     }));

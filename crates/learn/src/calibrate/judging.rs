@@ -6,6 +6,7 @@ use super::{
 };
 use crate::extremes::false_alarms;
 use crate::survey::{Origin, Recording};
+use tertius_core::length::Millimetres;
 
 impl Calibration {
     /// The calibration of the `recording` by `course`, with its `origin`.
@@ -49,17 +50,17 @@ impl Calibration {
         let most = LARGEST_BOUND * critical;
         let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };
         Err(format!(
-            "for {} R3 would need a bound of {:.2} mm, and above {:.2} mm, a \
+            "for {} R3 would need a bound of {:.2}, and above {:.2}, a \
              tenth of comparator.critical, it hardly warns before the machine trips. The largest |C1 - \
-             C2| beyond the line is {:.2} mm; with the thesis's {:.2} mm, this recording suggests \
+             C2| beyond the line is {:.2}; with the thesis's {:.2}, this recording suggests \
              about {:.0} a year (--false-alarms-per-year). Was the machine healthy? Look at C1 - \
              C2 over time \
              (`replay --residuals`)",
             false_alarms(bound.per_year),
-            bound.level * 1e3,
-            most * 1e3,
-            bound.worst * 1e3,
-            LEAST_BOUND * 1e3,
+            Millimetres(bound.level),
+            Millimetres(most),
+            Millimetres(bound.worst),
+            Millimetres(LEAST_BOUND),
             bound.often.ceil(),
         ))
     }

@@ -4,6 +4,7 @@ use crate::calibrate::watch::{Sight, Watch};
 use crate::calibrate::{Cuts, are_few, places};
 use crate::survey::{PAUSE, Row, Surveyor, Window};
 use tertius_config::settings::Settings;
+use tertius_core::length::Millimetres;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::sequential::Reference;
 use tertius_core::sequential::parameters::ResidualParameters;
@@ -165,9 +166,9 @@ impl Compared {
         });
         let crossings = self.beyond.iter().map(|(t, r3)| {
             let what = format!(
-                "R3 of {:.2} mm at {t:.1} s where {:.2} mm are a warning",
-                r3 * 1e3,
-                self.bound * 1e3
+                "R3 of {:.2} at {t:.1} s where {:.2} are a warning",
+                Millimetres(*r3),
+                Millimetres(self.bound)
             );
             Seen { t: *t, what, times: r3 / self.bound }
         });
@@ -190,7 +191,7 @@ impl Compared {
             let what = worst(place);
             judgement
                 .refused
-                .push(format!("cylinder {n}: {what}, and {:.2} mm of it stay", step * 1e3));
+                .push(format!("cylinder {n}: {what}, and {:.2} of it stay", Millimetres(step)));
         } else if let Some(last) = seen.last().filter(|seen| seen.t > window.to - BLOCK) {
             let [from, _] = *places.last().unwrap_or(&[last.t; 2]);
             let (from, what) = (from.max(0.0), worst([from, f64::INFINITY]));
@@ -199,9 +200,9 @@ impl Compared {
                 .push(format!("cylinder {n}: {what}, from {from:.0} s until after the end"));
         } else if let Some((from, off)) = self.off(&places) {
             judgement.refused.push(format!(
-                "cylinder {n}: C1 - C2 differs from the tables by {:.2} mm from {from:.0} s on: a \
+                "cylinder {n}: C1 - C2 differs from the tables by {:.2} from {from:.0} s on: a \
                  transducer has drifted, or was replaced or adjusted",
-                off * 1e3
+                Millimetres(off)
             ));
         } else if !are_few(&places, window.length()) {
             let whole = [f64::NEG_INFINITY, f64::INFINITY];

@@ -7,6 +7,7 @@ use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BO
 use crate::extremes::{HOURS_PER_YEAR, four_digits, times};
 use std::fmt::Write as _;
 use tertius_config::settings::{Cylinder, CylinderExcursions, CylinderSequential};
+use tertius_core::length::Millimetres;
 
 /// Factor in rarity beyond which a rate is bounded by the evidence, and not measured.
 const FAR: f64 = 100.0;
@@ -23,10 +24,10 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
     let tail = provenance::tail(bound.heavy);
     let asked = format!(
         "exceeded at most {} a year, all cylinders together, by {tail} tail of the largest |R3| of \
-         each second; at least 1.2 times the largest seen, {:.3} mm, and the thesis's {:.1} mm",
+         each second; at least 1.2 times the largest seen, {:.3}, and the thesis's {:.1}",
         provenance::times(bound.per_year),
-        bound.worst * 1e3,
-        LEAST_BOUND * 1e3
+        Millimetres(bound.worst),
+        Millimetres(LEAST_BOUND)
     );
     let evidence = format!("evidence: {:.3} cylinder hours", bound.hours);
     let beyond = "other temperatures, ranges and wear are not covered";

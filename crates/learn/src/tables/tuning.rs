@@ -5,6 +5,7 @@ use crate::calibrate::watch::Level;
 use crate::extremes::{HOURS_PER_YEAR, four_digits, times as factor};
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
+use tertius_core::length::Millimetres;
 use tertius_core::observe::commands::LearntCommands;
 
 /// Cylinder number and name of the detector's residual.
@@ -14,7 +15,7 @@ pub fn name(detector: &Detector) -> [String; 2] {
 
 /// A length in millimetres, or in metres where it is too large for a threshold.
 pub fn length(metres: f64) -> String {
-    if metres < 3.0 { format!("{:.3} mm", metres * 1e3) } else { format!("{metres:.1} m") }
+    if metres < 3.0 { format!("{:.3}", Millimetres(metres)) } else { format!("{metres:.1} m") }
 }
 
 /// Meaning of the numbers, and their reliability.
@@ -25,8 +26,8 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
     let mut lines = vec![
         format!(
             "high: {count} residuals together exceed it at most {often} in a year of monitoring; \
-             one number for all, since their rates are added up; at least the thesis's {:.1} mm",
-            LEAST_HIGH * 1e3
+             one number for all, since their rates are added up; at least the thesis's {:.1}",
+            Millimetres(LEAST_HIGH)
         ),
         "low: the residual that varies most stays below it in 95 % of the seconds (of alarm.clear), \
          so that a warning ends soon after its fault; at most 0.75 high"
@@ -40,10 +41,10 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
     ];
     lines.extend(joint.map(|joint| {
         format!(
-            "joint: R1 beyond {:.1} mm is a fault of C1 where R2 shows less than a quarter of it and C1 - C2 has moved by at \
+            "joint: R1 beyond {:.1} is a fault of C1 where R2 shows less than a quarter of it and C1 - C2 has moved by at \
              least three quarters of it, and R2 of C2 likewise; not extrapolated: at least 1.25 times the largest one in \
              the recording, and the thesis's 1.0 mm",
-            joint * 1e3
+            Millimetres(joint)
         )
     }));
     lines.extend(commands.map(|commands| {

@@ -4,6 +4,7 @@ use super::{Detector, LEAST_HIGH, Thresholds, Tuning};
 use crate::calibrate::watch::{Level, Sight, Watch};
 use crate::extremes::{HOURS_PER_YEAR, Tail, false_alarms, per_second};
 use tertius_config::settings::Settings;
+use tertius_core::length::Millimetres;
 
 /// Largest threshold, as a part of the difference at which the machine itself trips.
 const LARGEST: f64 = 0.1;
@@ -35,21 +36,21 @@ impl Tuning {
             (rate / per_second(1.0)).ceil()
         };
         Err(format!(
-            "for {} the threshold would be {:.1} mm, beyond {:.1} mm, \
+            "for {} the threshold would be {:.1}, beyond {:.1}, \
              a tenth of comparator.critical: the observers would hardly find any fault. Record for \
             longer than \
          {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the \
-         recording supports (--false-alarms-per-year): with the thesis's {:.1} mm it is about \
+         recording supports (--false-alarms-per-year): with the thesis's {:.1} it is about \
          {:.0} a year, with \
-         {:.1} mm about {:.0}, with the largest residual seen, {:.1} mm, about {:.0}",
+         {:.1} about {:.0}, with the largest residual seen, {:.1}, about {:.0}",
             false_alarms(per_year),
-            high * 1e3,
-            LARGEST * critical * 1e3,
-            LEAST_HIGH * 1e3,
+            Millimetres(high),
+            Millimetres(LARGEST * critical),
+            Millimetres(LEAST_HIGH),
             at(LEAST_HIGH),
-            LARGEST * critical * 1e3,
+            Millimetres(LARGEST * critical),
             at(LARGEST * critical),
-            worst(&tails) * 1e3,
+            Millimetres(worst(&tails)),
             at(worst(&tails)),
         ))
     }
@@ -74,10 +75,10 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     }
     if result.thresholds.high >= critical {
         remarks.push(format!(
-            "the threshold of {:.1} mm is not below comparator.critical, {:.1} mm, where the machine \
+            "the threshold of {:.1} is not below comparator.critical, {:.1}, where the machine \
              itself trips: FDE1 and FDE2 then only tell which transducer has failed",
-            result.thresholds.high * 1e3,
-            critical * 1e3
+            Millimetres(result.thresholds.high),
+            Millimetres(critical)
         ));
     }
     if result.search.score.times.is_infinite() {

@@ -3,7 +3,7 @@
 use super::chart::{Chart, Scale};
 use super::marks::{beyond, quiet, strong};
 use super::sight::{Sight, below, split};
-use super::words::{drift, estimate, millimetres};
+use super::words::{drift, estimate, five_columns};
 use crate::cli::monitor::news::WatchedCylinder;
 use crate::cli::monitor::picture::MINUTES;
 use crate::report::capitalised;
@@ -71,8 +71,8 @@ fn chart(
     let [title, area] = split(area, 1);
     let size = cylinder.residuals_mm[which];
     let is_beyond = size.zip(limit).is_some_and(|(size, limit)| size > 1e3 * limit);
-    let size = size.map_or_else(|| sight.marks.pick("–", "-").to_owned(), millimetres);
-    let of = limit.map_or(String::new(), |limit| format!(" of {}", millimetres(1e3 * limit)));
+    let size = size.map_or_else(|| sight.marks.pick("–", "-").to_owned(), five_columns);
+    let of = limit.map_or(String::new(), |limit| format!(" of {}", five_columns(1e3 * limit)));
     let line = Line::from(vec![
         Span::styled(RESIDUALS[which], strong()),
         Span::styled(format!(" {size}"), if is_beyond { beyond() } else { Style::new() }),

@@ -2,7 +2,7 @@
 
 use super::marks::{beyond, quiet, strong};
 use super::sight::Sight;
-use super::words::millimetres;
+use super::words::five_columns;
 use crate::cli::monitor::news::{WatchedCylinder, WatchedTransducer};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -36,7 +36,7 @@ fn heading<'a>(sight: &Sight<'_>, columns: usize) -> Line<'a> {
     let limits = sight.picture.limits(sight.viewer.selected);
     for (name, limit) in ["R1", "R2", "R3"].into_iter().zip(limits) {
         let most = sight.marks.pick("≤", "<");
-        let limit = limit.map_or(String::new(), |it| format!("{most}{}mm", millimetres(1e3 * it)));
+        let limit = limit.map_or(String::new(), |it| format!("{most}{}mm", five_columns(1e3 * it)));
         text += &format!(" {:<width$}", format!("{name}{limit}"), width = columns - 1);
     }
     Line::styled(text, quiet())
@@ -83,5 +83,5 @@ fn residual<'a>(
     let (sign, style) = if share > 1.0 { ("!", beyond()) } else { (" ", Style::new()) };
     let bar = sight.marks.bar(share, width);
     let track = style.add_modifier(Modifier::UNDERLINED);
-    [Span::styled(format!(" {:>5}{sign}", millimetres(size)), style), Span::styled(bar, track)]
+    [Span::styled(format!(" {:>5}{sign}", five_columns(size)), style), Span::styled(bar, track)]
 }

@@ -21,7 +21,7 @@ pub fn length(time: Duration) -> String {
 }
 
 /// A size in mm, in at most five columns.
-pub fn millimetres(size: f64) -> String {
+pub fn five_columns(size: f64) -> String {
     match size.abs() {
         0.0..100.0 => format!("{size:.2}"),
         100.0..1000.0 => format!("{size:.1}"),
