@@ -15,6 +15,7 @@ pub mod excursions;
 pub mod extremes;
 pub mod identify;
 pub mod learnt;
+mod order_statistics;
 pub mod propose;
 pub mod relate;
 pub mod survey;

@@ -5,6 +5,7 @@ use super::refusal::CalibrationRefusal;
 use super::resolution::Resolution;
 use crate::extremes::Thinned;
 use crate::identify::moments::{Pair, Spread};
+use crate::order_statistics::ranked;
 use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::sample::Quality;
 use tertius_core::sequential::Noise;
@@ -166,8 +167,7 @@ impl Gathering {
         let middle = |errors: &dyn Fn(f64, f64) -> f64| {
             let mut errors: Vec<f64> =
                 points.iter().map(|(c2, c1)| errors(*c2, *c1).abs()).collect();
-            let half = errors.len() / 2;
-            *errors.select_nth_unstable_by(half, f64::total_cmp).1
+            ranked(&mut errors, 0.5, f64::total_cmp).unwrap_or(0.0)
         };
         // Medians: a few faulty samples say nothing about it.
         let as_given_mm = 1e3 * middle(&|c2, c1| c1 - (a * c2 + b));

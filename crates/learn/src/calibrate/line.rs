@@ -1,5 +1,7 @@
 //! A line through points, a few of which are wrong.
 
+use crate::order_statistics::ranked;
+
 /// Deviations beyond which an error loses weight (Huber 1964): 95 % as efficient as least squares
 /// where all errors are normal.
 const HUBER: f64 = 1.345;
@@ -78,9 +80,7 @@ impl Robust {
 
 fn deviation(points: &[(f64, f64)], line: Line) -> f64 {
     let mut errors: Vec<f64> = points.iter().map(|(x, y)| line.error(*x, *y).abs()).collect();
-    let middle = errors.len() / 2;
-    let (_, median, _) = errors.select_nth_unstable_by(middle, f64::total_cmp);
-    *median / NORMAL_MEDIAN
+    ranked(&mut errors, 0.5, f64::total_cmp).unwrap_or(0.0) / NORMAL_MEDIAN
 }
 
 #[cfg(test)]

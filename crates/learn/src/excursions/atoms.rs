@@ -4,7 +4,7 @@
 //! same: beyond what was seen, both go on exponentially. Size and length are taken as independent.
 
 use super::law::Atom;
-use super::order_statistics::{mean_excess, upper_ends};
+use crate::order_statistics::{mean_excess, upper_ends};
 
 /// Parts of equal number into which sizes are divided.
 const SIZE_PARTS: usize = 10;

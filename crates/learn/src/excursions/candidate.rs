@@ -4,9 +4,9 @@
 //! edges of an excursion are therefore where the samples cross half of its size.
 
 use super::excursion::Excursion;
-use super::order_statistics::median;
 use super::plateaus::{Overlap, overlap};
 use super::segment::Segment;
+use crate::order_statistics::median;
 use std::ops::Range;
 
 /// Samples beside a candidate to which a stretch may extend.

@@ -3,8 +3,8 @@
 //! The limits are computed with chains of excursions. If a chain in the recording were taken
 //! for one excursion, it would be chained again, and a chance of the recording be learnt as a length.
 
-use super::order_statistics::quantile;
 use super::quantiles::poisson_quantile;
+use crate::order_statistics::quantile;
 
 /// Samples by which excursions may be apart, or overlap, and still be found as one.
 const TOUCHING: f64 = 3.0;

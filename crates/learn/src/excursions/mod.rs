@@ -17,7 +17,6 @@ mod excursion;
 mod law;
 mod limits;
 mod noise;
-mod order_statistics;
 mod plateaus;
 mod population;
 mod quantiles;

@@ -11,9 +11,9 @@ use super::chains::{
 use super::cylinder::CylinderPopulation;
 use super::excursion::Excursion;
 use super::law::Law;
-use super::order_statistics::quantile;
 use super::quantiles::gamma_quantile;
 use super::speeds::CLASSES;
+use crate::order_statistics::quantile;
 
 /// Excursions of a machine below which only the plain ones are kept: a few may be wild samples side
 /// by side.

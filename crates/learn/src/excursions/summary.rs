@@ -1,9 +1,9 @@
 //! What a report says of the excursions of a machine.
 
 use super::chains::{LEAST_SIZE_RATIO, may_be_two};
-use super::order_statistics::quantile;
 use super::population::{Kept, Population};
 use super::quantiles::poisson_quantile;
+use crate::order_statistics::quantile;
 
 /// Chance that coincidences are not more than expected.
 const COINCIDENCE_QUANTILE: f64 = 0.99;

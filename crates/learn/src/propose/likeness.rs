@@ -1,6 +1,6 @@
 //! How alike two signals are: as readings of one length, and as a command and its motion.
 
-use super::tally::median;
+use crate::order_statistics::lower_median;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -70,7 +70,7 @@ pub(super) fn agreement(first: &[f64], second: &[f64], resolution: f64) -> Optio
         let solution = solve(chosen())?;
         let rest = |[y, x, v]: [f64; 3]| y - solution.dot(&Vector3::new(x, 1.0, v));
         let sizes: Vec<f64> = chosen().map(|one| rest(one).abs()).collect();
-        let spread = 1.4826 * median(&sizes)?;
+        let spread = 1.4826 * lower_median(&sizes)?;
         let worst = sizes.iter().copied().fold(0.0, f64::max);
         let spread = spread.max(least);
         found = Some((solution, spread));

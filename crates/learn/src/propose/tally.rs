@@ -1,6 +1,7 @@
 //! The first pass over a recording: how often each signal comes, and whether it moves, counts or rests.
 
 use super::catalogue::Catalogue;
+use crate::order_statistics::lower_median;
 use tertius_core::decode::Value;
 use tertius_core::frame::Frame;
 
@@ -89,13 +90,13 @@ impl BusTally {
 
     /// The usual time without a frame before those of a message, s.
     pub(super) fn gap(&self, message: usize) -> f64 {
-        median(&self.messages[message].before).unwrap_or(0.0)
+        lower_median(&self.messages[message].before).unwrap_or(0.0)
     }
 
     /// The usual time from one frame of a message to the next, s.
     pub(super) fn period(&self, message: usize) -> Option<f64> {
         let MessageTally { count, intervals, .. } = &self.messages[message];
-        median(intervals).filter(|period| *count >= LEAST && *period > 0.0)
+        lower_median(intervals).filter(|period| *count >= LEAST && *period > 0.0)
     }
 
     /// The message of this period that opens the cycles: the longest time without a frame is before it.
@@ -165,7 +166,7 @@ impl SignalTally {
 
     /// The usual time from one value to the next, s.
     pub fn period(&self) -> Option<f64> {
-        median(&self.intervals).filter(|period| self.count >= LEAST && *period > 0.0)
+        lower_median(&self.intervals).filter(|period| self.count >= LEAST && *period > 0.0)
     }
 
     /// Whether it counts frames: one up with each of them.
@@ -188,11 +189,4 @@ impl SignalTally {
     pub fn is_state(&self) -> bool {
         self.count > 0 && self.values.len() <= FEW
     }
-}
-
-/// The median; `None` of nothing.
-pub(super) fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    let middle = sorted.len().checked_sub(1)? / 2;
-    Some(*sorted.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -1,5 +1,6 @@
 //! The pieces of a curve that is learnt: where the outermost knots are, and how many samples taught each piece.
 
+use crate::order_statistics::ranked;
 use tertius_core::process::curve;
 
 /// Part of the samples beyond the outermost knots, on both sides together.
@@ -7,10 +8,7 @@ const BEYOND: f64 = 1e-4;
 
 /// The size that hardly any of these exceeds; `None` without any.
 pub(super) fn limit(mut sizes: Vec<f32>) -> Option<f64> {
-    let last = sizes.len().checked_sub(1)?;
-    let place = ((1.0 - BEYOND) * sizes.len() as f64) as usize;
-    let (_, limit, _) = sizes.select_nth_unstable_by(place.min(last), f32::total_cmp);
-    Some(f64::from(*limit))
+    ranked(&mut sizes, 1.0 - BEYOND, f32::total_cmp).map(f64::from)
 }
 
 /// Part of values beyond each end of what is taught.

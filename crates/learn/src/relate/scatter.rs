@@ -1,6 +1,7 @@
 //! The scatter of what a relation leaves, and how much its samples depend on each other.
 
 use super::refusal::ProcessRefusal;
+use crate::order_statistics::ranked;
 use tertius_core::process::ProcessParameters;
 use tertius_core::process::evidence::WIDEST;
 use tertius_core::process::{EvidenceWindows, Weighing};
@@ -56,9 +57,8 @@ pub(super) fn parts(left: &[Left]) -> [f64; 2] {
 /// Mean squared movement, and mean square without what is far out, of a group.
 fn group(samples: &[[f64; 2]]) -> [f64; 2] {
     let mut squares: Vec<f64> = samples.iter().map(|it| it[1]).collect();
-    let middle = squares.len() / 2;
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    let most = ProcessParameters::DEFAULT.farthest.powi(2) * *median / MEDIAN;
+    let median = ranked(&mut squares, 0.5, f64::total_cmp).unwrap_or(0.0);
+    let most = ProcessParameters::DEFAULT.farthest.powi(2) * median / MEDIAN;
     let kept = squares.iter().filter(|square| **square <= most);
     let (count, sum) = kept.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
     let way = samples.iter().map(|it| it[0]).sum::<f64>() / samples.len() as f64;
