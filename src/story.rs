@@ -1,14 +1,14 @@
-//! Incidents in words: what is wrong, whom the monitor suspects and why, how bad it is, and what to do.
+//! Incidents and notices in words: what is wrong, whom the monitor suspects and why, how bad it is, and what to do.
 //!
 //! Every output for people takes its words from here, so that they cannot disagree.
 
-mod doubt;
 mod evidence;
 mod machine;
+mod notice;
 
-pub use doubt::{doubt, unnamed_status};
 pub use evidence::evidence;
 pub use machine::{in_common, numbers, of_machine};
+pub use notice::{notice_line, notice_words};
 
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
@@ -16,8 +16,6 @@ use crate::config::MachineNames;
 use crate::incident::{Ending, Incident, Naming, Quantity, Scope};
 use crate::length::Millimetres;
 use crate::sample::Transducer;
-use crate::sample::device::{DeviceNews, DeviceState};
-use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use std::cmp::Ordering;
@@ -333,35 +331,6 @@ pub fn ending(incident: &Incident) -> String {
             format!("over{lasted}: {how}")
         }
     }
-}
-
-/// What a device said that is no fault of its readings; its name goes before it.
-pub fn news(news: DeviceNews) -> String {
-    match news {
-        DeviceNews::State(DeviceState::Operational) => "is operational again".to_owned(),
-        DeviceNews::State(DeviceState::Initialising) => {
-            "has started, and is not operational: it sends no readings".to_owned()
-        }
-        DeviceNews::State(state) => {
-            format!("is {}, not operational: it sends no readings", state.name())
-        }
-        DeviceNews::Network(emergency) => format!("complains about the network: {emergency}"),
-    }
-}
-
-/// Time between the samples of C1 and C2, in words.
-pub fn timing(apart: &Apart) -> String {
-    let Apart { mean, spread, .. } = apart;
-    let skew = match mean {
-        0.0 => String::new(),
-        _ if *mean > 0.0 => format!("C2 {:.2} ms sooner than calibrated, ", 1e3 * mean),
-        _ => format!("C2 {:.2} ms later than calibrated, ", -1e3 * mean),
-    };
-    let jitter = 1e3 * spread;
-    format!(
-        "timing: C1 and C2 are not sampled together: {skew}± {jitter:.2} ms by chance; no \
-         transducer is at fault, look at Sync and the devices' clocks"
-    )
 }
 
 /// The order of a list: the highest level first, then what was largest against its limit, then the earliest.

@@ -10,7 +10,6 @@ use super::{IdentityFields, Summary};
 use crate::alarm::{Detector, Warning};
 use crate::config::{CylinderNames, MachineNames, visible};
 use crate::monitor::Notice;
-use crate::observe::observer::Restart;
 use crate::process::ProcessCoverage;
 use crate::sequential::{Coverage, Unknown};
 use crate::time::Timestamp;
@@ -320,16 +319,6 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
         trends: summary.stops.lines(),
     };
     write_line(out, &line)
-}
-
-/// Name of the reason for which an observer restarts, in files and reports.
-pub const fn restart_name(reason: Restart) -> &'static str {
-    match reason {
-        Restart::Gap => "gap",
-        Restart::Diverged => "diverged",
-        Restart::TimeJump => "time_jump",
-        Restart::Interruption => "interruption",
-    }
 }
 
 fn write_line(out: &mut impl Write, line: &impl Serialize) -> io::Result<()> {

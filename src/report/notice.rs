@@ -1,7 +1,7 @@
 //! What a notice says, field by field, for lines of JSON and tables.
 
 use super::device::EmergencyFields;
-use super::jsonl::{digits, restart_name};
+use super::jsonl::digits;
 use crate::frame::BusNumber;
 use crate::monitor::Notice;
 use crate::sample::DeviceRole;
@@ -83,7 +83,7 @@ impl From<&Notice> for NoticeFields {
             Notice::Restart { at, cylinder, detector, reason } => Self {
                 cylinder: Some(cylinder),
                 detector: Some(detector.name()),
-                reason: Some(restart_name(reason)),
+                reason: Some(reason.name()),
                 ..of(at, "restart")
             },
             Notice::Timing { at, apart: Some(apart) } => {

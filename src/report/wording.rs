@@ -1,6 +1,6 @@
 //! Texts of a replay that several outputs share: rows, lines and numbers.
 
-use super::jsonl::restart_name;
+use super::notice::NoticeFields;
 use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
@@ -239,41 +239,8 @@ pub fn episode_line(first: Timestamp, episode: &Episode, names: &MachineNames) -
 
 /// Time and text of a notice.
 pub fn notice(first: Timestamp, notice: &Notice, names: &MachineNames) -> [String; 2] {
-    let (at, what) = match *notice {
-        Notice::Gap { at, length } => {
-            (at, format!("cycles again after {:.2} s without any", length.as_seconds()))
-        }
-        Notice::TimeJump { at, by } => {
-            (at, format!("time stamps jumped by {:+.3} s", by.as_seconds()))
-        }
-        Notice::Interruption { at, bus: None } => (at, "the bus was lost".to_owned()),
-        Notice::Interruption { at, bus: Some(bus) } => (at, format!("the {bus} bus was lost")),
-        Notice::Silence { at, bus, silent: true } => {
-            (at, format!("the {bus} bus is silent: what it carries is unknown"))
-        }
-        Notice::Silence { at, bus, silent: false } => (at, format!("the {bus} bus is heard again")),
-        Notice::Doubt { at, id, doubt, is_over, .. } => (at, story::doubt(id, doubt, is_over)),
-        Notice::Restart { at, cylinder, detector, reason } => {
-            let (label, reason) = (detector.label(), spaced(restart_name(reason)));
-            let cylinder = names.cylinder(cylinder);
-            (at, format!("{cylinder}: {label}'s observer restarts ({reason})"))
-        }
-        Notice::Timing { at, apart: Some(apart) } => (at, story::timing(&apart)),
-        Notice::Timing { at, apart: None } => {
-            (at, "timing: C1 and C2 are sampled as they were calibrated again".to_owned())
-        }
-        Notice::UnnamedStatus { at, cylinder, transducer, bits } => {
-            let (whose, what) =
-                (names.transducer(cylinder, transducer), story::unnamed_status(bits));
-            (at, format!("{}, {whose}: {what}", names.cylinder(cylinder)))
-        }
-        Notice::Device { at, cylinder, role, node, news } => {
-            let what = story::news(news);
-            let cylinder = names.cylinder(cylinder);
-            (at, format!("{cylinder}: node {node} ({}) {what}", role.label()))
-        }
-    };
-    [clock(at.since(first).as_seconds()), what]
+    let at = NoticeFields::from(notice).at;
+    [clock(at.since(first).as_seconds()), story::notice_line(notice, names)]
 }
 
 /// `text` with a capital at the beginning, as a line of its own. A symbol stays: Δ is none of the letters that
@@ -288,10 +255,6 @@ pub fn capitalised(text: &str) -> String {
 /// A residual or a limit; a dash without one.
 fn millimetres(metres: Option<f64>) -> String {
     metres.map_or("–".to_owned(), |it| format!("{:.2}", Millimetres(it)))
-}
-
-fn spaced(name: &str) -> String {
-    name.replace('_', " ")
 }
 
 /// A time as candump writes it, so that it can be searched for in the log: six decimals, or nine

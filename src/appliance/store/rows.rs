@@ -167,33 +167,18 @@ impl Rows<'_> {
     }
 }
 
-/// What a notice says that is worth keeping for years.
+/// A notice as an event, if it is worth keeping for years.
 fn event_of(notice: &Notice, names: &MachineNames) -> Option<Event> {
-    let (kind, at, cylinder, text) = match notice {
-        Notice::TimeJump { at, by } => {
-            let text = format!("time stamps jumped by {:+.3} s", by.as_seconds());
-            (EventKind::Clock, *at, None, text)
-        }
-        Notice::Timing { at, apart } => {
-            let again = || "C1 and C2 are sampled as they were calibrated again".to_owned();
-            (EventKind::Timing, *at, None, apart.as_ref().map_or_else(again, story::timing))
-        }
-        Notice::Device { at, cylinder, role, node, news } => {
-            let text = format!("node {node} ({}) {}", role.label(), story::news(*news));
-            (EventKind::Device, *at, Some(*cylinder), text)
-        }
-        Notice::UnnamedStatus { at, cylinder, transducer, bits } => {
-            let whose = names.transducer(*cylinder, *transducer);
-            let text = format!("{whose}: {}", story::unnamed_status(*bits));
-            (EventKind::Doubt, *at, Some(*cylinder), text)
-        }
-        Notice::Doubt { at, id, doubt, is_over, .. } => {
-            (EventKind::Doubt, *at, None, story::doubt(*id, *doubt, *is_over))
-        }
+    let (kind, at, cylinder) = match *notice {
+        Notice::TimeJump { at, .. } => (EventKind::Clock, at, None),
+        Notice::Timing { at, .. } => (EventKind::Timing, at, None),
+        Notice::Device { at, cylinder, .. } => (EventKind::Device, at, Some(cylinder)),
+        Notice::UnnamedStatus { at, cylinder, .. } => (EventKind::Doubt, at, Some(cylinder)),
+        Notice::Doubt { at, .. } => (EventKind::Doubt, at, None),
         Notice::Gap { .. }
         | Notice::Interruption { .. }
         | Notice::Silence { .. }
         | Notice::Restart { .. } => return None,
     };
-    Some(Event { kind, at, cylinder, text })
+    Some(Event { kind, at, cylinder, text: story::notice_words(notice, names) })
 }

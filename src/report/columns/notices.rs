@@ -5,7 +5,7 @@ use super::events::{columns, word};
 use crate::config::MachineNames;
 use crate::monitor::Notice;
 use crate::report::notice::NoticeFields;
-use crate::report::wording;
+use crate::story;
 use crate::time::{Span, Timestamp};
 
 /// An event other than a warning: a gap, a bus that is silent or lost, an observer that starts anew.
@@ -23,7 +23,7 @@ impl NoticeRow {
     /// The row of `notice`, of recordings whose first frame has the time stamp `begin`.
     pub fn new(begin: Timestamp, notice: &Notice, names: &MachineNames) -> Self {
         let fields = NoticeFields::from(notice);
-        let [_, summary] = wording::notice(begin, notice, names);
+        let summary = story::notice_line(notice, names);
         let name = fields.cylinder.and_then(|number| names.of_cylinder(number)).map(str::to_owned);
         Self { since: fields.at.since(begin), name, fields, summary }
     }

@@ -111,10 +111,10 @@ fn it_goes_on_without_the_second_interface_and_takes_it_back() {
     let _players = [play(bench.interface), play(second.0)];
     wait_for("it to speak", || !bench.own_lines().is_empty());
     ip(&["link", "set", "down", second.0]);
-    wait_for("it to notice", || bench.said("a bus was lost") == 1);
-    wait_for("the silence to be told", || bench.said("a bus is silent") == 1);
+    wait_for("it to notice", || bench.said("the second bus was lost") == 1);
+    wait_for("the silence to be told", || bench.said("the second bus is silent") == 1);
     ip(&["link", "set", "up", second.0]);
     let _returned = play(second.0);
-    wait_for("it to hear it again", || bench.said("a bus is heard again") == 1);
+    wait_for("it to hear it again", || bench.said("the second bus is heard again") == 1);
     assert_eq!(bench.said("open: "), 1, "the first one was never lost");
 }

@@ -106,6 +106,18 @@ pub enum Restart {
     Interruption,
 }
 
+impl Restart {
+    /// Name in files and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gap => "gap",
+            Self::Diverged => "diverged",
+            Self::TimeJump => "time_jump",
+            Self::Interruption => "interruption",
+        }
+    }
+}
+
 choice! { Restart { Gap, Diverged, TimeJump, Interruption } }
 
 /// State `[l, l̇, P_L]` of an observer that some readings have not corrected, because they may be wild.
