@@ -4,7 +4,6 @@ use super::device::EmergencyFields;
 use super::jsonl::digits;
 use crate::frame::BusNumber;
 use crate::monitor::Notice;
-use crate::sample::DeviceRole;
 use crate::sample::device::DeviceNews;
 use crate::sample::dispute::Doubt;
 use crate::time::{Span, Timestamp};
@@ -92,7 +91,7 @@ impl From<&Notice> for NoticeFields {
             Notice::Timing { at, apart: None } => of(at, "timing_restored"),
             Notice::UnnamedStatus { at, cylinder, transducer, bits } => Self {
                 cylinder: Some(cylinder),
-                device: Some(DeviceRole::ALL[transducer as usize].name()),
+                device: Some(transducer.name()),
                 status: Some(format!("0x{bits:X}")),
                 ..of(at, "unnamed_status")
             },

@@ -28,9 +28,6 @@ pub struct Stop<'a> {
 /// Columns of [`Stops::rows`], before those of the two limits.
 const COLUMNS: [&str; 6] = ["cylinder", "transducer", "dwells", "within", "moved", "drift a month"];
 
-/// Names of the transducers, by their place in a dwell.
-pub const TRANSDUCERS: [&str; 2] = ["C1", "C2"];
-
 const DAYS: f64 = 30.4375;
 
 /// A transducer in the summary for scripts.
@@ -180,7 +177,7 @@ impl<'a> Stops<'a> {
     }
 
     fn called(&self, stop: &Stop<'_>, which: usize) -> String {
-        self.names.transducer(stop.cylinder, [Transducer::C1, Transducer::C2][which])
+        self.names.transducer(stop.cylinder, Transducer::ALL[which])
     }
 
     /// Whether there are enough dwells to judge any cylinder.
@@ -194,10 +191,10 @@ impl<'a> Stops<'a> {
         let line = |stop: &Stop<'_>, which: usize, trend: Trend| TrendLine {
             cylinder: stop.cylinder,
             name: self.names.of_cylinder(stop.cylinder).map(str::to_owned),
-            transducer: ["c1", "c2"][which],
+            transducer: Transducer::NAMES[which],
             transducer_name: self
                 .names
-                .of_transducer(stop.cylinder, [Transducer::C1, Transducer::C2][which])
+                .of_transducer(stop.cylinder, Transducer::ALL[which])
                 .map(str::to_owned),
             dwells: trend.dwells,
             months: trend.months,

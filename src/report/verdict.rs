@@ -169,11 +169,8 @@ impl Blanks {
 
 /// Whose readings were not judged: `cylinder 3's C2`, `cylinder 3`, `every cylinder`.
 fn those(names: &MachineNames, who: &[(usize, Transducer)], cylinders: usize) -> String {
-    let both = |n: usize| {
-        [Transducer::C1, Transducer::C2]
-            .into_iter()
-            .all(|transducer| who.contains(&(n, transducer)))
-    };
+    let both =
+        |n: usize| Transducer::ALL.into_iter().all(|transducer| who.contains(&(n, transducer)));
     if cylinders > 1 && (1..=cylinders).all(both) {
         return "every cylinder".to_owned();
     }

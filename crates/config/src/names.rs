@@ -72,7 +72,7 @@ impl MachineNames {
 
     /// In a sentence: `C1 (LT-101A)`, `C1`.
     pub fn transducer(&self, n: impl Into<usize>, transducer: Transducer) -> String {
-        called(["C1", "C2"][transducer as usize], self.of_transducer(n, transducer))
+        called(transducer.label(), self.of_transducer(n, transducer))
     }
 
     /// All names of cylinder `n`, from 1.

@@ -29,16 +29,12 @@ impl ControllerState {
         Self::Sleeping,
     ];
 
-    /// Name as in `ip -details link`, in lower case.
+    /// Names as in `ip -details link`, in lower case, in order.
+    pub const NAMES: [&'static str; 6] =
+        ["error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"];
+
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::ErrorActive => "error-active",
-            Self::Warning => "error-warning",
-            Self::Passive => "error-passive",
-            Self::BusOff => "bus-off",
-            Self::Stopped => "stopped",
-            Self::Sleeping => "sleeping",
-        }
+        Self::NAMES[self as usize]
     }
 }
 

@@ -96,7 +96,7 @@ fn incident(sheet: &mut RegisterSheet, name: &dyn Fn(&str) -> String, now: Optio
             names.iter().enumerate().map(|(number, name)| format!("{number} {name}")).collect();
         numbered.join(", ")
     };
-    let suspects = listed(Suspect::ALL.iter().map(|it| it.name()).collect());
+    let suspects = listed(Suspect::NAMES.to_vec());
     let faults = listed(Fault::ALL.iter().map(|it| it.name()).collect());
     let number = |of: fn(&OpenSlot) -> u16| now.as_ref().map_or(NONE, of);
     let told = "number of the worst open incident; 0 for none";

@@ -1,7 +1,7 @@
 //! What is published of the state, as JSON.
 
+use crate::alarm::status::Health;
 use crate::appliance::telemetry::Telemetry;
-use crate::appliance::telemetry::exposition::TRANSDUCER_STATES;
 use crate::appliance::telemetry::health::HealthReport;
 use crate::appliance::telemetry::lamp::Lamp;
 use crate::appliance::telemetry::snapshot::{CylinderSnapshot, Snapshot};
@@ -103,10 +103,8 @@ impl StateMessage {
 impl CylinderMessage {
     fn new((number, of): (usize, &CylinderSnapshot), names: &MachineNames) -> Self {
         let transducer = |which: usize| TransducerMessage {
-            name: names
-                .of_transducer(number, [Transducer::C1, Transducer::C2][which])
-                .map(str::to_owned),
-            state: TRANSDUCER_STATES[of.transducers[which] as usize],
+            name: names.of_transducer(number, Transducer::ALL[which]).map(str::to_owned),
+            state: Health::NAMES[of.transducers[which] as usize],
             lamp: of.lamps[which],
         };
         let [r1_m, r2_m, r3_m] = of.residuals;

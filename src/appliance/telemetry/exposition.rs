@@ -10,8 +10,11 @@ use super::clock::Clock;
 use super::overview::known;
 use super::stops::Reading;
 use super::{Cylinder, Telemetry};
+use crate::alarm::Detector;
 use crate::alarm::register;
-use crate::alarm::{Detector, status::Health};
+use crate::alarm::status::{Health, Mode};
+use crate::error_frame::ControllerState;
+use crate::sample::Transducer;
 use crate::time::{Span, Timestamp};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::{DescriptorEncoder, MetricEncoder, NoLabelSet, text};
@@ -25,23 +28,8 @@ use std::time::Duration;
 /// Content type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
-/// Names of the modes, by the numbers of Fd_Status.
-pub(super) const MODES: [&str; 5] = ["starting", "monitoring", "gated", "degraded", "stopping"];
-
-/// Names of the transducers' states, by their numbers.
-pub(in crate::appliance) const TRANSDUCER_STATES: [&str; Health::ALL.len()] =
-    ["unknown", "healthy", "suspect", "faulty", "not_fitted"];
-
-/// Names of the alarm levels, by the numbers of Fd_Status.
-pub(super) const ALARM_LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];
-
-/// Names of the controller's states, by the numbers of the telemetry.
-pub(super) const CONTROLLER_STATES: [&str; 6] =
-    ["error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"];
-
 const CYLINDERS: [&str; 6] = ["1", "2", "3", "4", "5", "6"];
 const RESIDUALS: [&str; 3] = ["r1", "r2", "r3"];
-pub(super) const TRANSDUCERS: [&str; 2] = ["c1", "c2"];
 
 /// Names of the forecasts, in the order of the telemetry.
 const LEFT: [(&str, &str); 3] = [
@@ -124,7 +112,7 @@ impl View {
             without a controller.";
         let mut family = out.family("controller_state", help, None, MetricType::Gauge)?;
         if link.state.get().is_some() {
-            one_of(&mut family, &[], &CONTROLLER_STATES, link.state.get())?;
+            one_of(&mut family, &[], &ControllerState::NAMES, link.state.get())?;
         }
         let help = "The controller's transmit error counter; error-passive from 128 on.";
         out.gauge("controller_transmit_errors", help, link.transmit_errors.get())?;
@@ -215,7 +203,7 @@ impl View {
             bus is not served.";
         let mut family = out.family("mode", help, None, MetricType::Gauge)?;
         let mode = self.telemetry.mode.get().filter(|_| self.telemetry.lives(self.uptime));
-        one_of(&mut family, &[], &MODES, mode)?;
+        one_of(&mut family, &[], &Mode::NAMES, mode)?;
         self.transducers(out)?;
         let help = "From the time stamp of the frame (or the deadline) that caused a warning to \
                     the hand-over of the warning's frame to the interface.";
@@ -229,10 +217,10 @@ impl View {
         let mut family = out.family("transducer_state", help, None, MetricType::Gauge)?;
         let evidence = self.telemetry.has_evidence(self.uptime);
         for (number, cylinder) in self.numbered() {
-            for (name, state) in TRANSDUCERS.iter().zip(&cylinder.transducers) {
+            for (name, state) in Transducer::NAMES.iter().zip(&cylinder.transducers) {
                 let labels = [("cylinder", number), ("transducer", name)];
                 let state = known(State::get(state), evidence) as u8;
-                one_of(&mut family, &labels, &TRANSDUCER_STATES, Some(state))?;
+                one_of(&mut family, &labels, &Health::NAMES, Some(state))?;
             }
         }
         Ok(())
@@ -271,7 +259,7 @@ impl View {
     ) -> fmt::Result {
         let mut family = out.family(name, help, unit, MetricType::Gauge)?;
         for (number, cylinder) in self.numbered() {
-            for (transducer, reading) in TRANSDUCERS.iter().zip(&cylinder.stop.readings) {
+            for (transducer, reading) in Transducer::NAMES.iter().zip(&cylinder.stop.readings) {
                 if let Some(value) = value(reading) {
                     let labels = [("cylinder", number), ("transducer", transducer)];
                     family.encode_family(&labels)?.encode_gauge(&value)?;
@@ -356,7 +344,7 @@ fn one_of(
     names: &[&'static str],
     number: Option<u8>,
 ) -> fmt::Result {
-    let label = if names == MODES { "mode" } else { "state" };
+    let label = if names == Mode::NAMES { "mode" } else { "state" };
     for (i, name) in names.iter().enumerate() {
         let labels = [labels, &[(label, *name)]].concat();
         let is = number.is_some_and(|number| usize::from(number) == i);

@@ -1,9 +1,10 @@
 //! The health report of the HTTP endpoint, from the telemetry and the present time.
 
-use super::exposition::{ALARM_LEVELS, CONTROLLER_STATES, MODES};
 use super::stops::Drifting;
 use super::{EVIDENCE, OpenIncident, Telemetry};
+use crate::alarm::Level;
 use crate::alarm::status::{Health, Mode};
+use crate::error_frame::ControllerState;
 use crate::report::alignment;
 use serde::Serialize;
 use std::sync::atomic::Ordering;
@@ -70,10 +71,14 @@ impl Telemetry {
             reason,
             configuration: facts.identity.clone(),
             calibration: facts.calibration.clone(),
-            mode: mode.and_then(|mode| name(&MODES, mode)),
+            mode: mode.and_then(|mode| name(&Mode::NAMES, mode)),
             bus: if self.is_open() { "open" } else { "closed" },
-            controller: self.link.state.get().and_then(|state| name(&CONTROLLER_STATES, state)),
-            level: name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none"),
+            controller: self
+                .link
+                .state
+                .get()
+                .and_then(|state| name(&ControllerState::NAMES, state)),
+            level: name(&Level::NAMES, self.level.load(Ordering::Relaxed)).unwrap_or("none"),
             incidents: self.incidents(now),
             warnings_standing: self.standing.load(Ordering::Relaxed),
             seconds_since_turn: self.since_turn(now).map(|time| time.as_secs_f64()),
@@ -136,7 +141,7 @@ impl Telemetry {
                 more => format!("{}; and {more} more", worst.summary),
             };
         }
-        let level = name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none");
+        let level = name(&Level::NAMES, self.level.load(Ordering::Relaxed)).unwrap_or("none");
         match standing {
             1 => format!("a warning of level {level} stands"),
             _ => format!("{standing} warnings stand, the highest of level {level}"),

@@ -23,6 +23,7 @@ mod stops;
 mod totals;
 pub mod trend;
 
+use crate::alarm::Level;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::bus::socket::{ControllerState, LinkState};
 use crate::config::MachineNames;
@@ -304,8 +305,7 @@ impl Telemetry {
         });
         let shared = self.shared.open(0, [None; QUANTITIES], names);
         let mut open: Vec<OpenIncident> = open.chain(shared).collect();
-        let level =
-            |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);
+        let level = |it: &OpenIncident| Level::NAMES.iter().position(|name| *name == it.level);
         open.sort_by_key(|it| (std::cmp::Reverse(level(it)), it.number));
         open
     }

@@ -1,7 +1,6 @@
 //! Everything that the page shows at a glance, at one time.
 
 use super::cell::{Gauge, State};
-use super::exposition::TRANSDUCERS;
 use super::health::HealthReport;
 use super::lamp::Lamp;
 use super::stops::Drifting;
@@ -96,15 +95,16 @@ impl Telemetry {
         let transducer = |which: usize| {
             let state = known(State::get(&cylinder.transducers[which]), evidence);
             let check = cylinder.check(which).filter(|_| evidence);
-            let is = |it: &Drifting| it.cylinder == number && it.transducer == TRANSDUCERS[which];
+            let is =
+                |it: &Drifting| it.cylinder == number && it.transducer == Transducer::NAMES[which];
             let drifts = health.drifting.iter().any(is);
             let lamp = Lamp::new(state, check.is_some(), drifts);
             let reading = &cylinder.stop.readings[which];
-            let tag = names.of_transducer(number, [Transducer::C1, Transducer::C2][which]);
+            let tag = names.of_transducer(number, Transducer::ALL[which]);
             TransducerOverview {
                 name: tag.map(str::to_owned),
                 lamp,
-                words: words(lamp, (number, TRANSDUCERS[which]), is_alone, check, health),
+                words: words(lamp, (number, Transducer::NAMES[which]), is_alone, check, health),
                 drift_mm_per_month: reading.drift.get().map(|drift| drift * 1e3),
                 error_mm_per_month: reading.error.get().map(|error| error * 1e3),
                 months_left: reading.left.each_ref().map(Gauge::get),
@@ -222,7 +222,7 @@ mod tests {
             kind: "step",
             ..OpenIncident::default()
         }];
-        TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), false, None, &health))
+        Transducer::NAMES.map(|transducer| words(lamp, (2, transducer), false, None, &health))
     }
 
     #[test]

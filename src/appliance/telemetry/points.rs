@@ -1,10 +1,10 @@
 //! The state of the machine value by value, for protocols in which each value has a name, a unit and a quality.
 
-use super::exposition::{ALARM_LEVELS, MODES, TRANSDUCER_STATES};
 use super::lamp::Lamp;
 use super::snapshot::{CylinderSnapshot, Snapshot};
-use crate::alarm::Detector;
-use crate::alarm::status::Health;
+use crate::alarm::status::{Health, Mode};
+use crate::alarm::{Detector, Level};
+use crate::sample::Transducer;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
@@ -88,16 +88,6 @@ const LAMPS: [&str; 7] = [
     "not_fitted",
 ];
 
-const SUSPECTS: [&str; Suspect::ALL.len()] = {
-    let mut names = [""; Suspect::ALL.len()];
-    let mut place = 0;
-    while place < names.len() {
-        names[place] = Suspect::ALL[place].name();
-        place += 1;
-    }
-    names
-};
-
 const FAULTS: [&str; Fault::ALL.len()] = {
     let mut names = [""; Fault::ALL.len()];
     let mut place = 0;
@@ -165,8 +155,8 @@ fn of_machine(now: &Snapshot) -> Vec<Point> {
     use PointUnit::{Millisecond, None, Second};
     let mut list = Listing { prefix: String::new(), points: Vec::new() };
     list.choice(("condition", "as `status` of /health"), &CONDITIONS, Some(now.condition.number() as u8));
-    list.choice(("mode", "as in Fd_Status"), &MODES, now.mode);
-    list.choice(("level", "highest level, as in Fd_Status"), &ALARM_LEVELS, Some(now.level));
+    list.choice(("mode", "as in Fd_Status"), &Mode::NAMES, now.mode);
+    list.choice(("level", "highest level, as in Fd_Status"), &Level::NAMES, Some(now.level));
     list.whole(("warnings_standing", None, "warnings that stand, as in Fd_Status"), Some(now.warnings_standing.into()));
     list.whole(("incidents_open", None, "incidents that are open"), Some(now.incidents as u64));
     list.whole(("cylinders", None, "cylinders of the machine"), Some(now.cylinders.len() as u64));
@@ -184,9 +174,9 @@ fn of_machine(now: &Snapshot) -> Vec<Point> {
 #[rustfmt::skip]
 fn of_cylinder(number: usize, now: &CylinderSnapshot) -> Vec<Point> {
     let mut list = Listing { prefix: format!("cylinder_{number}_"), points: Vec::new() };
-    for (which, health) in ["c1", "c2"].into_iter().zip(now.transducers) {
+    for (which, health) in Transducer::NAMES.into_iter().zip(now.transducers) {
         let known = (health != Health::Unknown).then_some(health as u8);
-        list.choice((which, "state of the transducer"), &TRANSDUCER_STATES, known);
+        list.choice((which, "state of the transducer"), &Health::NAMES, known);
     }
     for (which, lamp) in ["c1_lamp", "c2_lamp"].into_iter().zip(now.lamps) {
         let known = (lamp != Lamp::Unknown).then_some(lamp.number());
@@ -200,8 +190,8 @@ fn of_cylinder(number: usize, now: &CylinderSnapshot) -> Vec<Point> {
     let open = now.incident;
     list.whole(("incident", PointUnit::None, "number of the worst open incident; 0 for none"),
         Some(open.map_or(0, |it| it.number.into())));
-    list.choice(("incident_level", "its level"), &ALARM_LEVELS, open.map(|it| it.level as u8));
-    list.choice(("incident_suspect", "whom it is about"), &SUSPECTS, open.map(|it| it.suspect as u8));
+    list.choice(("incident_level", "its level"), &Level::NAMES, open.map(|it| it.level as u8));
+    list.choice(("incident_suspect", "whom it is about"), &Suspect::NAMES, open.map(|it| it.suspect as u8));
     list.choice(("incident_fault", "what it is"), &FAULTS, open.map(|it| it.fault as u8));
     list.put(("incident_begin", PointUnit::None, "time of its first warning"), PointKind::Time,
         open.map(|it| PointValue::Time(it.begin)));

@@ -8,6 +8,7 @@ use super::overview::known;
 use super::stops::Drifting;
 use super::{Cylinder, DETECTORS, NO_STATE, Telemetry};
 use crate::alarm::status::Health;
+use crate::sample::Transducer;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -101,7 +102,7 @@ impl Telemetry {
         let shared: Vec<OpenSlot> = self.shared.slots().collect();
         let of = |(number, cylinder): (usize, &Cylinder)| {
             let drifts = |which: usize| {
-                let name = super::exposition::TRANSDUCERS[which];
+                let name = Transducer::NAMES[which];
                 let is = |it: &Drifting| it.cylinder == number && it.transducer == name;
                 health.drifting.iter().any(is)
             };

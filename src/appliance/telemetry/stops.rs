@@ -2,7 +2,7 @@
 
 use super::Telemetry;
 use super::cell::Gauge;
-use super::exposition::TRANSDUCERS;
+use crate::sample::Transducer;
 use crate::sequential::{Archive, DriftLimits, DwellHistory, Judgement, stops};
 use serde::Serialize;
 
@@ -88,7 +88,7 @@ impl Telemetry {
     pub(super) fn drifting(&self) -> Vec<Drifting> {
         let cylinders = (1..).zip(&self.cylinders);
         let readings = cylinders.flat_map(|(cylinder, it)| {
-            let readings = TRANSDUCERS.into_iter().zip(&it.stop.readings);
+            let readings = Transducer::NAMES.into_iter().zip(&it.stop.readings);
             readings.map(move |(transducer, reading)| (cylinder, transducer, reading))
         });
         let drifting = readings.filter_map(|(cylinder, transducer, reading)| {

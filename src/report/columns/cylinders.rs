@@ -36,7 +36,7 @@ impl CylinderRow {
             begin,
             cylinder: index + 1,
             name: summary.names.of_cylinder(index + 1).map(str::to_owned),
-            transducers: [Transducer::C1, Transducer::C2]
+            transducers: Transducer::ALL
                 .map(|it| summary.names.of_transducer(index + 1, it).map(str::to_owned)),
             sample_time: summary.sample_time,
             tally: *tally,

@@ -4,8 +4,9 @@ use super::Page;
 use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel};
 use super::palette;
-use crate::report::stops::{OF_STOP, Stop, Stops, TRANSDUCERS, sentence};
+use crate::report::stops::{OF_STOP, Stop, Stops, sentence};
 use crate::report::wording;
+use crate::sample::Transducer;
 use crate::sequential::Dwell;
 
 const DAY: f64 = 86_400.0;
@@ -54,7 +55,7 @@ fn figure(stop: &Stop<'_>, stops: &Stops<'_>) -> Option<(Figure, String)> {
     let mut caption = format!("{cylinder}: readings on the stop");
     let mut curves = Vec::new();
     for (which, colour) in stop.fitted().zip([palette::BLUE, palette::VERMILION]) {
-        let (trend, name) = (history.trend(which)?, TRANSDUCERS[which]);
+        let (trend, name) = (history.trend(which)?, Transducer::LABELS[which]);
         let reference = newest.readings.each()[which]? - trend.moved;
         let point = |dwell: &Dwell| {
             let reading = dwell.readings.each()[which]?;

@@ -23,15 +23,11 @@ impl Level {
     /// All levels, in the order of their numbers.
     pub const ALL: [Self; 5] = [Self::None, Self::Yellow, Self::Orange, Self::Red, Self::Black];
 
-    /// Name in files and reports.
+    /// Names in files and reports, in the order of the numbers.
+    pub const NAMES: [&'static str; 5] = ["none", "yellow", "orange", "red", "black"];
+
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Yellow => "yellow",
-            Self::Orange => "orange",
-            Self::Red => "red",
-            Self::Black => "black",
-        }
+        Self::NAMES[self as usize]
     }
 }
 

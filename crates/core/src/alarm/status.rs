@@ -29,6 +29,9 @@ impl Health {
     pub const ALL: [Self; 5] =
         [Self::Unknown, Self::Healthy, Self::Suspect, Self::Faulty, Self::NotFitted];
 
+    /// Names in files and reports, in the order of the numbers.
+    pub const NAMES: [&'static str; 5] = ["unknown", "healthy", "suspect", "faulty", "not_fitted"];
+
     /// The state in the two bits of Fd_Status: what is not fitted is unknown there.
     pub const fn bits(self) -> u64 {
         match self {
@@ -53,6 +56,12 @@ pub enum Mode {
 }
 
 choice! { Mode { Starting, Monitoring, Gated, Degraded, Stopping } }
+
+impl Mode {
+    /// Names in files and reports, in the order of the numbers.
+    pub const NAMES: [&'static str; 5] =
+        ["starting", "monitoring", "gated", "degraded", "stopping"];
+}
 
 /// The content of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

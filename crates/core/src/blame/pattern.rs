@@ -157,7 +157,7 @@ mod tests {
         let of = |other, difference| {
             let own = raise(1000, 1000);
             let case = ObserverCase { own, other, difference, coincidence: COINCIDENCE };
-            [Transducer::C1, Transducer::C2].map(|it| of_observer(&case, it))
+            Transducer::ALL.map(|it| of_observer(&case, it))
         };
         let own = |rule| [Suspect::C1, Suspect::C2].map(|it| Blamed::new(it, rule));
         let nobodys = |suspect, rule| [Blamed::new(suspect, rule); 2];

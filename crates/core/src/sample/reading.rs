@@ -11,6 +11,24 @@ pub enum Transducer {
 
 choice! { Transducer { C1, C2 } }
 
+impl Transducer {
+    pub const ALL: [Self; 2] = [Self::C1, Self::C2];
+
+    /// Names in files and reports, by the index.
+    pub const NAMES: [&'static str; 2] = ["c1", "c2"];
+
+    /// Names for people, by the index.
+    pub const LABELS: [&'static str; 2] = ["C1", "C2"];
+
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    pub const fn label(self) -> &'static str {
+        Self::LABELS[self as usize]
+    }
+}
+
 /// A pressure of a cylinder, as an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressure {

@@ -19,14 +19,11 @@ impl Suspect {
     /// All suspects, in the order of their numbers.
     pub const ALL: [Self; 4] = [Self::Undecided, Self::C1, Self::C2, Self::Process];
 
-    /// Name in files and reports.
+    /// Names in files and reports, in the order of the numbers.
+    pub const NAMES: [&'static str; 4] = ["undecided", "c1", "c2", "process"];
+
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Undecided => "undecided",
-            Self::C1 => "c1",
-            Self::C2 => "c2",
-            Self::Process => "process",
-        }
+        Self::NAMES[self as usize]
     }
 }
 

@@ -7,7 +7,7 @@ use crate::extremes::Thinned;
 use crate::identify::moments::{Pair, Spread};
 use crate::order_statistics::ranked;
 use crate::survey::{Lull, Row, Surveyor};
-use tertius_core::sample::Quality;
+use tertius_core::sample::{Quality, Transducer};
 use tertius_core::sequential::Noise;
 
 /// Most samples of a cylinder that are kept for the line.
@@ -227,7 +227,7 @@ impl Gathered {
         if self.rows == 0 {
             return Err(CalibrationRefusal::Absent);
         }
-        for (i, signal) in ["C1", "C2"].into_iter().enumerate() {
+        for (i, signal) in Transducer::LABELS.into_iter().enumerate() {
             let missing = self.rows - self.good[i].count;
             if missing > self.rows / 2 {
                 let detail = self.detail(i);

@@ -1,6 +1,6 @@
 //! How cylinders and transducers are called, as samples to be joined with the others.
 
-use super::{Out, TRANSDUCERS, View};
+use super::{Out, View};
 use crate::sample::Transducer;
 use prometheus_client::metrics::MetricType;
 use std::fmt;
@@ -24,9 +24,10 @@ impl View {
         let help = "Name of a transducer, to be joined by the labels cylinder and transducer.";
         let mut family = out.family("transducer", help, None, MetricType::Info)?;
         for (n, number) in cylinders() {
-            for (transducer, which) in TRANSDUCERS.iter().zip([Transducer::C1, Transducer::C2]) {
+            for which in Transducer::ALL {
                 if let Some(name) = names.of_transducer(n, which) {
-                    let labels = [("cylinder", number), ("transducer", transducer), ("name", name)];
+                    let transducer = ("transducer", which.name());
+                    let labels = [("cylinder", number), transducer, ("name", name)];
                     family.encode_info(&labels)?;
                 }
             }

@@ -44,8 +44,7 @@ pub fn zoomed(sight: &Sight<'_>, area: Rect, buffer: &mut Buffer) {
 fn said(sight: &Sight<'_>, cylinder: &WatchedCylinder, area: Rect, buffer: &mut Buffer) {
     let [c1, c2] = &cylinder.transducers;
     let names = sight.picture.names();
-    let [first, second] =
-        [Transducer::C1, Transducer::C2].map(|it| names.transducer(cylinder.number, it));
+    let [first, second] = Transducer::ALL.map(|it| names.transducer(cylinder.number, it));
     let title = Line::from(vec![
         Span::styled(capitalised(&names.cylinder(cylinder.number)), strong()),
         Span::raw(format!("  {first} {}; {second} {}", c1.words, c2.words)),
