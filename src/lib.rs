@@ -127,8 +127,8 @@ pub use tertius_assess::{commission, evaluate};
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
 pub use tertius_core::{
-    alarm, blame, compare, decode, error_frame, estimate, frame, incident, length, monitor,
-    observe, process, sample, sequential, time, verdict,
+    alarm, blame, compare, decode, error_frame, estimate, frame, incident, monitor, observe,
+    process, sample, sequential, text, time, verdict,
 };
 pub use tertius_dbc as dbc;
 #[cfg(feature = "learning")]

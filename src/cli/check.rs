@@ -14,10 +14,10 @@ use crate::config::settings::{CylinderSignals, bus_of};
 use crate::config::units::Converted;
 use crate::decode::Raw;
 use crate::failure::print;
-use crate::length::Millimetres;
 use crate::report::alignment;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
+use crate::text::{Millimetres, counted};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -65,10 +65,9 @@ fn describe(machine: &Machine) -> String {
     let any_c2 = (1..=settings.machine.cylinders).any(|n| settings.has_c2(n));
     let (observers, judge) = if any_c2 { ("FDE1 and FDE2", "judge") } else { ("FDE1", "judges") };
     text += &format!(
-        "{}: {} cylinder{}, every {} s; {}\n",
+        "{}: {}, every {} s; {}\n",
         settings.machine.name,
-        settings.machine.cylinders,
-        if settings.machine.cylinders == 1 { "" } else { "s" },
+        counted(settings.machine.cylinders.into(), "cylinder"),
         settings.machine.sample_time,
         match &settings.machine.monitored_states {
             Some(states) => format!("{observers} {judge} when {}", states.join(" or ")),

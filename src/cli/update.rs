@@ -13,6 +13,7 @@ use crate::learnt::{
 };
 use crate::monitor::Counts;
 use crate::survey::{Frames, Origin, Recording, Rows, Surveyor, Timeline, Window};
+use crate::text::counted;
 use std::path::Path;
 
 /// How a recording is added to what is kept.
@@ -133,7 +134,11 @@ impl Study {
             return own;
         };
         let parts = keeping.earlier.parts.len();
-        let inputs = format!("{}, with what is kept of {} earlier", own.inputs, counted(parts));
+        let inputs = format!(
+            "{}, with what is kept of {} earlier",
+            own.inputs,
+            counted(parts as u64, "recording")
+        );
         let place = |part: &Part| {
             let [from, to] = [part.first, part.last].map(|at| self.timeline.seconds(at));
             format!("{from:.1} to {to:.1} s")
@@ -281,8 +286,4 @@ fn holds(parts: &[Part], frame: &Frame) -> bool {
 fn seals(config: &str, layout: &[u8]) -> Result<Seals, Failure> {
     let none = || Failure::Failed("the configuration cannot be sealed: it is not TOML".to_owned());
     Seals::of(config, layout).ok_or_else(none)
-}
-
-fn counted(parts: usize) -> String {
-    if parts == 1 { "1 recording".to_owned() } else { format!("{parts} recordings") }
 }

@@ -1,7 +1,7 @@
 //! What is said of cylinders without a calibration, whose C1 and C2 differ by an amount that is not known.
 
 use super::Episodes;
-use crate::length::Millimetres;
+use crate::text::{Millimetres, ranges};
 use crate::verdict::Fault;
 
 /// What to do about it.
@@ -39,12 +39,7 @@ fn cylinders(all: &[u8]) -> String {
 
 /// Numbers in ascending order, three or more in a row as a range: `1–3, 5, 6`.
 pub fn numbers(all: &[u8]) -> String {
-    let rows = all.chunk_by(|one, next| one + 1 == *next);
-    let told = rows.flat_map(|row| match row {
-        [first, _, .., last] => vec![format!("{first}–{last}")],
-        few => few.iter().map(u8::to_string).collect(),
-    });
-    told.collect::<Vec<_>>().join(", ")
+    ranges(all, "–").join(", ")
 }
 
 #[cfg(test)]

@@ -5,11 +5,11 @@ use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, LearntExcursions, Scatter, TriedBand};
 use crate::config::settings::{CylinderProcess, FrictionTable};
 use crate::extremes::four_digits;
-use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::cylinders::by_cylinders;
+use crate::text::Millimetres;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.

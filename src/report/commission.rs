@@ -104,7 +104,7 @@ pub fn tables(result: &Commissioned) -> Section {
     for (which, (name, finds)) in relations.into_iter().enumerate() {
         let count = learnt.iter().filter(|learnt| learnt[which]).count();
         if count > 0 {
-            add(name, super::wording::counted(count as u64, "cylinder"), format!("finds {finds}"));
+            add(name, super::counted(count as u64, "cylinder"), format!("finds {finds}"));
         }
     }
     if of_supply {

@@ -2,9 +2,9 @@
 
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, CylinderCalibration, Profile};
-use crate::length::Millimetres;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::sequential::statistic::DEAD_BAND;
+use crate::text::Millimetres;
 
 /// The profiles of the cylinders that have one.
 pub fn profiles(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Profile)> {

@@ -1,6 +1,6 @@
 //! What of a recording cannot be relied on, though it is no fault of a transducer.
 
-use super::wording::counted;
+use super::counted;
 use crate::monitor::Counts;
 
 /// Remarks on frames that contradict each other, on frames that are too short, and on bits of a status without a meaning.

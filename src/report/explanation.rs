@@ -1,10 +1,11 @@
 //! How suspects were named, as text.
 
-use super::wording::{capitalised, counted};
+use super::counted;
+use super::wording::capitalised;
 use crate::config::MachineNames;
-use crate::length::Millimetres;
 use crate::monitor::{Answer, Explained, Explanation};
 use crate::story;
+use crate::text::Millimetres;
 use std::fmt::Write;
 
 /// The findings at `at` seconds after the first frame, with the answer of each rule that was asked for the suspect.

@@ -99,7 +99,7 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         "{} of recording{}: {}, of which {} not used by this configuration\n",
         wording::clock(summary.recorded),
         within(summary),
-        wording::counted(statistics.frames, "frame"),
+        crate::text::counted(statistics.frames, "frame"),
         summary.ignored_frames(),
     );
     _ = writeln!(
@@ -128,7 +128,7 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         (statistics.other_interface_frames, "frame", "of other interfaces"),
     ] {
         if count > 0 {
-            let counted = wording::counted(count, what);
+            let counted = crate::text::counted(count, what);
             _ = writeln!(text, "{}", format!("{counted} {which}").trim_end());
         }
     }

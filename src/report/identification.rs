@@ -5,9 +5,9 @@ use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
 use crate::identify::qr::Regression;
 use crate::identify::validate::SignalScore;
-use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::tables::cylinders::by_cylinders;
+use crate::text::Millimetres;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.

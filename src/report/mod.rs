@@ -33,7 +33,8 @@ pub mod verdict;
 mod wording;
 pub mod zone;
 
-pub(crate) use wording::{bad_lines, capitalised, counted, times};
+pub(crate) use crate::text::counted;
+pub(crate) use wording::{bad_lines, capitalised, times};
 
 pub use episode::{Episode, Episodes};
 pub use estimates::{EstimateRow, EstimateTable};

@@ -5,8 +5,8 @@ use crate::identify::flow::{FEWEST, FlowCurve, MEMBERSHIPS, NoFlow};
 use crate::identify::friction::{FrictionCurve, NoFriction};
 use crate::identify::nonlinear::Nonlinear;
 use crate::identify::valve::IdentifiedValve;
-use crate::length::Millimetres;
 use crate::tables::cylinders::by_cylinders;
+use crate::text::Millimetres;
 use std::fmt::Write as _;
 
 /// The section of the page.

@@ -1,9 +1,9 @@
 //! Readings on the mechanical stops and their trends, in numbers and words.
 
 use crate::config::MachineNames;
-use crate::length::Millimetres;
 use crate::sample::Transducer;
 use crate::sequential::{Blame, DriftLimits, DwellHistory, Forecast, Judgement, Trend, stops};
+use crate::text::Millimetres;
 use serde::Serialize;
 
 /// Histories of the cylinders that have one, and their common limits.

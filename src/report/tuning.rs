@@ -2,9 +2,9 @@
 
 use super::sheet::{Section, Sheet};
 use crate::extremes::{HOURS_PER_YEAR, four_digits, per_second, times};
-use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::tables::tuning::{length, meaning, name, sequential_meaning};
+use crate::text::Millimetres;
 use crate::tune::criterion::STEP;
 use crate::tune::{Score, Search, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;

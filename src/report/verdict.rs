@@ -7,6 +7,7 @@ use crate::monitor::cylinder::{Blank, NotJudged};
 use crate::sample::Transducer;
 use crate::sequential::Unknown;
 use crate::story;
+use crate::text::listed;
 use crate::time::{Span, Timestamp};
 
 /// Shortest time without judgement that is told.
@@ -117,10 +118,9 @@ fn process(summary: &Summary<'_>) -> Option<String> {
             Some(format!("by {name} {}", share(judged, monitored)))
         })
         .collect();
-    let (last, others) = told.split_last()?;
-    let told =
-        if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
-    Some(format!("The process detectors judged {told} of the monitored time."))
+    let judged =
+        || format!("The process detectors judged {} of the monitored time.", listed(&told));
+    (!told.is_empty()).then(judged)
 }
 
 impl Blanks {

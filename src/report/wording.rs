@@ -6,11 +6,11 @@ use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::config::MachineNames;
 use crate::incident::Incident;
-use crate::length::Millimetres;
 use crate::monitor::Notice;
 use crate::process;
 use crate::sequential::Unknown;
 use crate::story;
+use crate::text::{Millimetres, counted};
 use crate::time::Timestamp;
 
 pub const CYLINDER_COLUMNS: [&str; 8] =
@@ -144,11 +144,6 @@ motion was not yet learnt";
 /// Number of times in words: once, or a number.
 pub fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
-}
-
-/// A count with its noun, whose plural ends with an s.
-pub fn counted(count: u64, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Introduction to the `listed` first of the lines that were bad: `1 of 257 lines was bad:`.

@@ -3,7 +3,7 @@
 use super::{naming, span};
 use crate::alarm::detector::WarningPlace;
 use crate::incident::{Incident, Outset, Part, Quantity};
-use crate::length::Millimetres;
+use crate::text::{Millimetres, listed};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony};
 
@@ -159,7 +159,7 @@ fn risen(incident: &Incident) -> Vec<Observation> {
     while let Some((first, _)) = rest.first() {
         let at_once = |(part, _): &&(&Part, String)| part.raised == first.raised;
         let (group, others) = rest.split_at(rest.iter().take_while(at_once).count());
-        let names = listed(&group.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>());
+        let names = listed(&group.iter().map(|(_, name)| name).collect::<Vec<_>>());
         let together = if group.len() > 1 { " together" } else { "" };
         observed.push(Observation::new(first.raised, format!("{names} rose{together}")));
         rest = others;
@@ -317,13 +317,5 @@ fn again(part: &Part) -> String {
         1 => String::new(),
         2 => " (twice)".to_owned(),
         raises => format!(" ({raises} times)"),
-    }
-}
-
-fn listed(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }

@@ -1,6 +1,7 @@
 //! Words for incidents of the machine: what several cylinders have in common.
 
 use crate::incident::Cylinders;
+use crate::text::listed;
 use crate::verdict::Fault;
 
 /// What a person should do about what most cylinders show together.
@@ -30,11 +31,7 @@ pub fn numbers(cylinders: Cylinders) -> String {
         [first, .., last] if all.len() > 2 && usize::from(last - first) + 1 == all.len() => {
             format!("{first} to {last}")
         }
-        [one] => one.to_string(),
-        [ref first @ .., last] => {
-            let first: Vec<String> = first.iter().map(u8::to_string).collect();
-            format!("{} and {last}", first.join(", "))
-        }
+        ref all => listed(&all.iter().map(u8::to_string).collect::<Vec<_>>()),
     }
 }
 

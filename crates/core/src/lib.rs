@@ -22,7 +22,7 @@
 //! - [`blame`]: whose fault a finding is (Figure 5-17), rule by rule.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`incident`]: the warnings of a cylinder that have one cause, as one story.
-//! - [`length`]: lengths as text, in millimetres.
+//! - [`text`]: lengths, lists and counts in words.
 //! - [`monitor`]: all of them as one machine.
 //! - [`state`]: what of each of them is saved, so that another monitor goes on where one has stopped.
 //!
@@ -48,12 +48,12 @@ pub mod estimate;
 pub mod frame;
 pub mod hexapod;
 pub mod incident;
-pub mod length;
 pub mod monitor;
 pub mod observe;
 pub mod process;
 pub mod sample;
 pub mod sequential;
 pub mod state;
+pub mod text;
 pub mod time;
 pub mod verdict;

@@ -3,8 +3,8 @@
 use crate::config::Settings;
 use crate::config::settings::Role;
 use crate::inject::{Fault, SpecError};
-use crate::length::Millimetres;
 use crate::simulator::Tables;
+use crate::text::Millimetres;
 
 /// A fault of the demonstration.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! The scene as lines of at most 80 columns.
 
 use super::scene::{FRAMES, Row, Scene, TOLD};
-use crate::length::Millimetres;
+use crate::text::Millimetres;
 use console::{Color, style};
 
 /// Number of cells of a bar up to the limit; one more shows that it is crossed.

@@ -1,7 +1,7 @@
 //! Texts for the frames that were received.
 
 use super::listener::{Limit, Status, Warning};
-use crate::length::Millimetres;
+use crate::text::Millimetres;
 
 /// Suspect of a warning, for people.
 pub fn suspect(name: &str) -> &'static str {

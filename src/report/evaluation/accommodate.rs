@@ -2,8 +2,8 @@
 
 use super::percent;
 use crate::evaluate::accommodate::{AccommodateFigures, AccommodateResult};
-use crate::length::Millimetres;
 use crate::report::sheet::{Section, Sheet};
+use crate::text::Millimetres;
 
 /// The estimates by a transducer less its step, and those of the same machines without accommodation.
 pub fn section(result: &AccommodateResult) -> Section {

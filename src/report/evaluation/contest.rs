@@ -2,8 +2,8 @@
 
 use super::{percent, rate, seconds, suspects};
 use crate::evaluate::contest::{GradeResult, Rival, RowFigures};
-use crate::length::Millimetres;
 use crate::report::sheet::{Section, Sheet};
+use crate::text::Millimetres;
 
 /// All tables of the contest.
 pub(super) fn sections(results: &[GradeResult]) -> Vec<Section> {

@@ -16,7 +16,7 @@ use crate::evaluate::{
     CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, IncidentFigures, Plan, Proportion,
     RowResult, Study, SuspectFigures, WITHIN,
 };
-use crate::length::Millimetres;
+use crate::text::Millimetres;
 use serde::Serialize;
 
 /// Fixed parts of the JSON, between the values.

@@ -2,8 +2,8 @@
 
 use super::{percent, rate};
 use crate::evaluate::weights::{FAULTS, SetResult};
-use crate::length::Millimetres;
 use crate::report::sheet::{Section, Sheet};
+use crate::text::Millimetres;
 
 /// One row for each set on each kind of transducers.
 pub fn section(results: &[SetResult]) -> Section {

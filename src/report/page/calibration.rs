@@ -9,10 +9,10 @@ use super::html::capitalised;
 use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
 use crate::extremes::four_digits;
-use crate::length::Millimetres;
 use crate::report::ReadWith;
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
+use crate::text::Millimetres;
 use plotters::style::RGBColor;
 
 const NAMES: [&str; 2] = ["C1 − C2 (mm)", "C1 − Ĉ2 (mm)"];

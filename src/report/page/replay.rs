@@ -9,9 +9,9 @@ use super::{Page, histogram::Histogram, incidents, stops};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::config::MachineNames;
-use crate::length::Millimetres;
 use crate::report::human::{self, Heading, Notices};
 use crate::report::{Summary, verdict, wording};
+use crate::text::Millimetres;
 
 const TIME: &str = "time since the first frame";
 

@@ -1,10 +1,10 @@
 //! What a longer recording would add, and where on the stroke.
 
 use super::stages::Taught;
-use tertius_core::length::Millimetres;
 use tertius_core::sequential::Reference;
 use tertius_core::sequential::reference::LARGEST_DOUBT;
 use tertius_core::sequential::wild::Outliers;
+use tertius_core::text::Millimetres;
 use tertius_learn::calibrate::{CylinderCalibration, LEAST_BOUND};
 use tertius_learn::extremes::{HOURS_PER_YEAR, four_digits, times};
 use tertius_learn::tables::cylinders::cylinders;

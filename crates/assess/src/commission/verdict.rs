@@ -6,6 +6,7 @@ use super::stages::{Refused, Stage, Taught};
 use super::trial::{KindResult, Trial};
 use crate::evaluate::poisson_upper;
 use tertius_config::MachineNames;
+use tertius_core::text::counted;
 use tertius_learn::extremes::HOURS_PER_YEAR;
 
 /// Whether the configuration can be used.
@@ -192,7 +193,10 @@ fn wrongs(
             ));
         }
         let held = trial.held / 60.0;
-        return Some(format!("{} in {held:.1} min that were held back", counted(heard)));
+        return Some(format!(
+            "{} in {held:.1} min that were held back",
+            counted(heard, "false alarm")
+        ));
     }
     // By C1 alone a step of 1 mm only reaches the thesis's threshold; the remarks say what is not found.
     if taught.calibration.as_ref().is_some_and(|it| !it.has_c2()) {
@@ -212,10 +216,6 @@ fn wrongs(
         advice.push(ADVICE.to_owned());
         format!("it finds only {} of {} steps of 1 mm", one.delays.len(), one.tried)
     })
-}
-
-fn counted(alarms: u64) -> String {
-    if alarms == 1 { "1 false alarm".to_owned() } else { format!("{alarms} false alarms") }
 }
 
 /// Whether `events` are more than chance explains where `expected` are expected.
@@ -240,7 +240,7 @@ fn finds(trial: &Trial) -> String {
     let kinds: Vec<String> = trial.kinds.iter().filter(|it| it.tried > 0).map(found).collect();
     let alarms = match trial.false_alarms.len() {
         0 => "no false alarm".to_owned(),
-        some => counted(some as u64),
+        some => counted(some as u64, "false alarm"),
     };
     let held = trial.held / 60.0;
     format!(

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::extremes::false_alarms;
 use crate::survey::{Origin, Recording};
-use tertius_core::length::Millimetres;
+use tertius_core::text::Millimetres;
 
 impl Calibration {
     /// The calibration of the `recording` by `course`, with its `origin`.

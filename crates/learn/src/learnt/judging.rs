@@ -4,11 +4,11 @@ use crate::calibrate::watch::{Sight, Watch};
 use crate::calibrate::{Cuts, are_few, places};
 use crate::survey::{PAUSE, Row, Surveyor, Window};
 use tertius_config::settings::Settings;
-use tertius_core::length::Millimetres;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::sequential::Reference;
 use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::velocity::Velocity;
+use tertius_core::text::Millimetres;
 
 /// Time over which readings are averaged, s.
 const BLOCK: f64 = 10.0;

@@ -7,7 +7,7 @@ use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BO
 use crate::extremes::{HOURS_PER_YEAR, four_digits, times};
 use std::fmt::Write as _;
 use tertius_config::settings::{Cylinder, CylinderExcursions, CylinderSequential};
-use tertius_core::length::Millimetres;
+use tertius_core::text::Millimetres;
 
 /// Factor in rarity beyond which a rate is bounded by the evidence, and not measured.
 const FAR: f64 = 100.0;

@@ -1,20 +1,14 @@
 //! Numbers of cylinders in words.
 
+use tertius_core::text::{listed, ranges};
+
 /// Cylinders of these numbers, in ascending order, three or more in a row as a range: `cylinder 3`,
 /// `cylinders 1 to 3 and 5`.
 pub fn cylinders(numbers: &[u8]) -> String {
-    let rows = numbers.chunk_by(|one, next| one + 1 == *next);
-    let told: Vec<String> = rows
-        .flat_map(|row| match row {
-            [first, _, .., last] => vec![format!("{first} to {last}")],
-            few => few.iter().map(u8::to_string).collect(),
-        })
-        .collect();
-    let noun = if numbers.len() == 1 { "cylinder" } else { "cylinders" };
-    match told.as_slice() {
+    match numbers {
         [] => "no cylinder".to_owned(),
-        [one] => format!("{noun} {one}"),
-        [first @ .., last] => format!("{noun} {} and {last}", first.join(", ")),
+        [one] => format!("cylinder {one}"),
+        several => format!("cylinders {}", listed(&ranges(several, " to "))),
     }
 }
 

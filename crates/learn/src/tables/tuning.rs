@@ -5,8 +5,8 @@ use crate::calibrate::watch::Level;
 use crate::extremes::{HOURS_PER_YEAR, four_digits, times as factor};
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
-use tertius_core::length::Millimetres;
 use tertius_core::observe::commands::LearntCommands;
+use tertius_core::text::Millimetres;
 
 /// Cylinder number and name of the detector's residual.
 pub fn name(detector: &Detector) -> [String; 2] {

@@ -4,7 +4,7 @@ use super::{Detector, LEAST_HIGH, Thresholds, Tuning};
 use crate::calibrate::watch::{Level, Sight, Watch};
 use crate::extremes::{HOURS_PER_YEAR, Tail, false_alarms, per_second};
 use tertius_config::settings::Settings;
-use tertius_core::length::Millimetres;
+use tertius_core::text::Millimetres;
 
 /// Largest threshold, as a part of the difference at which the machine itself trips.
 const LARGEST: f64 = 0.1;
