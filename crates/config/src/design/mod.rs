@@ -14,6 +14,7 @@ mod times;
 
 pub use estimate::accommodation;
 pub use flaw::Flaw;
+pub use sequential::sequential;
 
 use super::settings::Settings;
 use super::text::bus_of;

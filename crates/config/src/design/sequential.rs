@@ -3,6 +3,7 @@
 use super::connector::Connector;
 use super::flaw::Flaw;
 use crate::settings::{CylinderExcursions, CylinderSequential};
+use tertius_core::observe::riccati::RiccatiError;
 use tertius_core::sequential::excursions::STRAYS;
 use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::reference::DOUBTED;
@@ -31,50 +32,64 @@ impl Connector<'_> {
             return None;
         }
         let sample_time = settings.machine.sample_time;
+        let pair = pair(fitted, sample_time).unwrap_or_else(|error| {
+            let what = match error {
+                Some(error) => format!("cylinder {n} has no filter of both readings: {error}"),
+                None => format!("no errors have the prediction_correlation of cylinder {n}"),
+            };
+            self.flaws.push(Flaw::new("cylinder.sequential", what, "calibrate it again"));
+            None
+        });
         Some(Design {
-            reference: reference(fitted),
-            rate: Rate::new(fitted.rate_spacing, &fitted.rate),
-            square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
-            dependence: [fitted.mean_dependence, fitted.square_dependence],
-            excursions: fitted.excursions.as_ref().map(|it| excursions(it, fitted.noise)),
-            deviation: fitted.deviation,
-            noise: Noise { rest: fitted.noise, timing: fitted.timing },
-            resolution: fitted.resolution,
-            outliers: Outliers { share: fitted.outlier_share },
-            pair: self.pair(n, fitted),
+            pair,
             level: settings.sequential_level_of(n),
-            sample_time,
             clear: settings.warning_cycles(),
-            parameters: &SequentialParameters::DEFAULT,
+            ..unpaired(fitted, sample_time)
         })
     }
+}
 
-    fn pair(&mut self, n: u8, fitted: &CylinderSequential) -> Option<PairDesign> {
-        let drive = Drive(fitted.drive?);
-        let sample_time = self.settings.machine.sample_time;
-        let whitening = fitted.prediction_correlation.as_ref().map(Whitening::of);
-        if whitening == Some(None) {
-            self.flaws.push(Flaw::new(
-                "cylinder.sequential",
-                format!("no errors have the prediction_correlation of cylinder {n}"),
-                "calibrate it again",
-            ));
-            return None;
-        }
-        let prediction =
-            Prediction { deviation: fitted.prediction, whitening: whitening.flatten() };
-        let parameters = &SequentialParameters::DEFAULT;
-        let design = PairDesign::new(drive, sample_time, fitted.deviation, prediction, parameters);
-        design
-            .map_err(|error| {
-                self.flaws.push(Flaw::new(
-                    "cylinder.sequential",
-                    format!("cylinder {n} has no filter of both readings: {error}"),
-                    "calibrate it again",
-                ));
-            })
-            .ok()
+/// The detector by these tables, sampled every `sample_time` seconds, with a level that nothing reaches.
+pub fn sequential(fitted: &CylinderSequential, sample_time: f64) -> Design {
+    let pair = pair(fitted, sample_time).unwrap_or(None);
+    Design { pair, ..unpaired(fitted, sample_time) }
+}
+
+fn unpaired(fitted: &CylinderSequential, sample_time: f64) -> Design {
+    Design {
+        reference: reference(fitted),
+        rate: Rate::new(fitted.rate_spacing, &fitted.rate),
+        square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
+        dependence: [fitted.mean_dependence, fitted.square_dependence],
+        excursions: fitted.excursions.as_ref().map(|it| excursions(it, fitted.noise)),
+        deviation: fitted.deviation,
+        noise: Noise { rest: fitted.noise, timing: fitted.timing },
+        resolution: fitted.resolution,
+        outliers: Outliers { share: fitted.outlier_share },
+        pair: None,
+        level: f64::INFINITY,
+        sample_time,
+        clear: 1,
+        parameters: &SequentialParameters::DEFAULT,
     }
+}
+
+/// The filter of both readings; `None` without a drive. The error is that of its gain, or none where no errors have the
+/// correlation of the table.
+fn pair(
+    fitted: &CylinderSequential,
+    sample_time: f64,
+) -> Result<Option<PairDesign>, Option<RiccatiError>> {
+    let Some(drive) = fitted.drive.map(Drive) else { return Ok(None) };
+    let whitening = fitted.prediction_correlation.as_ref().map(Whitening::of);
+    if whitening == Some(None) {
+        return Err(None);
+    }
+    let prediction = Prediction { deviation: fitted.prediction, whitening: whitening.flatten() };
+    let parameters = &SequentialParameters::DEFAULT;
+    PairDesign::new(drive, sample_time, fitted.deviation, prediction, parameters)
+        .map(Some)
+        .map_err(Some)
 }
 
 fn excursions(fitted: &CylinderExcursions, rest: f64) -> ExcursionLimits {

@@ -2,7 +2,6 @@
 
 use super::constancy::{Constancies, LastingStep};
 use super::cutting::{Cuts, are_few, places};
-use super::fluctuating::LearntExcursions;
 use super::watch::{OwnLevel, Watch};
 use super::{
     Bound, CalibrationRefusal, Contradiction, CylinderCalibration, Division, Fitting, Gathering,
@@ -12,7 +11,6 @@ use crate::relate::{LearntProcess, ProcessRefusal, ProcessRows, SupplyRows};
 use crate::survey::{Recording, Timeline, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings, SupplyTable};
 use tertius_core::sequential;
-use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::wild::Outliers;
 
 /// Inputs of a calibration.
@@ -351,32 +349,9 @@ impl CylinderCalibration {
             c2_gain: line.gain,
             c2_offset: line.offset,
             process,
-            sequential: self.sequential.as_ref().map(|(profile, scatter)| {
-                let reference = &profile.reference;
-                CylinderSequential {
-                    sample_time: Some(self.sample_time),
-                    level: self.level,
-                    first: reference.first,
-                    spacing: reference.spacing,
-                    nodes: reference.nodes.clone(),
-                    node_deviations: reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect(),
-                    samples: profile.samples.clone(),
-                    velocity: reference.velocity,
-                    outlier_share: scatter.outliers.share,
-                    deviation: scatter.deviation,
-                    noise: scatter.spread.noise.rest,
-                    timing: scatter.spread.noise.timing,
-                    resolution: scatter.spread.resolution,
-                    rate_spacing: scatter.rate.spacing(),
-                    rate: scatter.rate.values(),
-                    square_rate: scatter.square_rate.values(),
-                    mean_dependence: scatter.dependence[0],
-                    square_dependence: scatter.dependence[1],
-                    drive: profile.drive.map(|drive| drive.0),
-                    prediction: scatter.prediction.map_or(0.0, |it| it.deviation),
-                    prediction_correlation: scatter.prediction.and_then(|it| it.correlation),
-                    excursions: scatter.excursions.as_ref().map(LearntExcursions::table),
-                }
+            sequential: self.sequential.as_ref().map(|(profile, scatter)| CylinderSequential {
+                level: self.level,
+                ..scatter.table(profile, self.sample_time)
             }),
             ..Cylinder::new(self.number)
         })

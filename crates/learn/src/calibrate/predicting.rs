@@ -1,7 +1,6 @@
 //! How well the command predicts the mean of both readings: by how much it is off, and for how long.
 
-use tertius_core::sequential::pair::Prediction;
-use tertius_core::sequential::whitening::{ORDER, Whitening};
+use tertius_core::sequential::whitening::ORDER;
 
 /// What a wild reading has moved in the filter is gone after so many cycles.
 const DISTURBED: usize = 16;
@@ -16,13 +15,6 @@ pub struct Predicted {
     pub deviation: f64,
     /// Correlation of those that are 1, 2, … cycles apart; `None` of too few.
     pub correlation: Option<[f64; ORDER]>,
-}
-
-impl Predicted {
-    pub(super) fn prediction(&self) -> Prediction {
-        let whitening = self.correlation.as_ref().and_then(Whitening::of);
-        Prediction { deviation: self.deviation, whitening }
-    }
 }
 
 /// Takes the errors one by one.
@@ -92,6 +84,7 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
+    use tertius_core::sequential::whitening::Whitening;
 
     /// Errors of which each goes on by 0.6, with a wild reading and a gap now and then.
     fn taken(cycles: usize) -> Predicting {
@@ -121,14 +114,14 @@ mod tests {
             // Runs of 34 cycles and less: each lag has by so much fewer products.
             assert!((found - expected).abs() < 0.06, "{place}: {found}, {expected}");
         }
-        assert!(predicted.prediction().whitening.is_some() && correlation[0] > 0.5);
+        assert!(Whitening::of(&correlation).is_some() && correlation[0] > 0.5);
     }
 
     #[test]
     fn few_errors_do_not_tell_how_they_go_on() {
         assert_eq!(Predicting::default().result(), None);
         let few = taken(1000).result().expect("there were errors");
-        assert_eq!((few.correlation, few.prediction().whitening), (None, None));
+        assert_eq!(few.correlation, None);
         assert!(few.deviation > 1e-4);
     }
 }

@@ -9,10 +9,13 @@ use super::profile::Profile;
 use super::residuals::{Residual, Residuals, deviation};
 use super::spreading::ResidualSpread;
 use crate::survey::{Row, Surveyor};
+use tertius_config::design;
+use tertius_config::settings::CylinderSequential;
 use tertius_core::sequential::clip::Clip;
 use tertius_core::sequential::dependence::Measuring;
 use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::rate::Of;
+use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::samples::{History, Sample};
 use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
 use tertius_core::sequential::wild::Outliers;
@@ -61,27 +64,35 @@ pub struct Scatter {
 impl Scatter {
     /// The detector from these tables, with a level that nothing reaches.
     pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
-        let prediction =
-            self.prediction.as_ref().map_or(Prediction::UNKNOWN, Predicted::prediction);
-        let pair = profile.drive.and_then(|drive| {
-            let parameters = &SequentialParameters::DEFAULT;
-            PairDesign::new(drive, sample_time, self.deviation, prediction, parameters).ok()
-        });
-        Design {
-            reference: profile.reference.clone(),
-            rate: self.rate.clone(),
-            square_rate: self.square_rate.clone(),
-            dependence: self.dependence,
-            excursions: self.excursions.as_ref().map(|learnt| learnt.limits.clone()),
+        design::sequential(&self.table(profile, sample_time), sample_time)
+    }
+
+    /// The table in a configuration, without a level.
+    pub(super) fn table(&self, profile: &Profile, sample_time: f64) -> CylinderSequential {
+        let reference = &profile.reference;
+        CylinderSequential {
+            sample_time: Some(sample_time),
+            level: None,
+            first: reference.first,
+            spacing: reference.spacing,
+            nodes: reference.nodes.clone(),
+            node_deviations: reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect(),
+            samples: profile.samples.clone(),
+            velocity: reference.velocity,
+            outlier_share: self.outliers.share,
             deviation: self.deviation,
-            noise: self.spread.noise,
+            noise: self.spread.noise.rest,
+            timing: self.spread.noise.timing,
             resolution: self.spread.resolution,
-            outliers: self.outliers,
-            pair,
-            level: f64::INFINITY,
-            sample_time,
-            clear: 1,
-            parameters: &SequentialParameters::DEFAULT,
+            rate_spacing: self.rate.spacing(),
+            rate: self.rate.values(),
+            square_rate: self.square_rate.values(),
+            mean_dependence: self.dependence[0],
+            square_dependence: self.dependence[1],
+            drive: profile.drive.map(|drive| drive.0),
+            prediction: self.prediction.map_or(0.0, |it| it.deviation),
+            prediction_correlation: self.prediction.and_then(|it| it.correlation),
+            excursions: self.excursions.as_ref().map(LearntExcursions::table),
         }
     }
 }
