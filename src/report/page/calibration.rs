@@ -54,14 +54,14 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
         .collect();
     if !figures.is_empty() {
         page.heading("Before and after the correction (Figures 5-14 and 5-15)");
-        page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
+        page.captioned(&figures);
     }
     let profiles = covered::profiles(result);
     let profiles: Vec<(Figure, String)> =
         profiles.filter_map(|(cylinder, profile)| coverage::figure(cylinder, profile)).collect();
     if !profiles.is_empty() {
         page.heading("Where on the stroke the sequential detectors know C1 − C2");
-        page.figures(profiles.iter().map(|(figure, caption)| (figure, caption.as_str())));
+        page.captioned(&profiles);
     }
 }
 

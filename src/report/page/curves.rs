@@ -2,14 +2,12 @@
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel, Shape};
-use super::html::capitalised;
+use super::html::{Captioned, capitalised};
 use super::{Page, palette};
 use crate::identify::flow::FlowCurve;
 use crate::identify::friction::FrictionCurve;
 use crate::identify::nonlinear::Nonlinear;
 use crate::report::nonlinear as text;
-
-type Captioned = (Figure, String);
 
 /// Number of points of a friction curve.
 const STEPS: u32 = 120;
@@ -26,21 +24,15 @@ pub fn add(page: &mut Page, nonlinear: &Nonlinear) {
             flow(nonlinear, number, &known, points)
         })
         .collect();
-    show(page, &figures);
+    page.captioned(&figures);
     page.lines(&text::no_flow(nonlinear));
     page.section(&text::valves(nonlinear));
     page.lines(&text::no_valve(nonlinear));
     page.heading("Friction (3-13), (3-19)");
     let known = (1..).zip(&nonlinear.friction).filter_map(|(n, it)| Some((n, it.as_ref().ok()?)));
     let figures: Vec<Captioned> = known.map(|(number, curve)| friction(number, curve)).collect();
-    show(page, &figures);
+    page.captioned(&figures);
     page.lines(&text::no_friction(nonlinear));
-}
-
-fn show(page: &mut Page, figures: &[Captioned]) {
-    if !figures.is_empty() {
-        page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
-    }
 }
 
 /// f_NL over the spool: samples, and the line through the singletons that are known.

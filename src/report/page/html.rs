@@ -8,6 +8,9 @@ pub use crate::report::wording::capitalised;
 use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
+/// A figure and its caption.
+pub type Captioned = (Figure, String);
+
 /// Number of columns beyond which a table is written smaller.
 const WIDE: usize = 10;
 
@@ -256,6 +259,13 @@ impl Page {
             _ = writeln!(self.body, "<figcaption>\n{notes}</figcaption>");
         }
         self.body += "</figure>\n";
+    }
+
+    /// Adds captioned figures beside each other, if there are any.
+    pub fn captioned(&mut self, figures: &[Captioned]) {
+        if !figures.is_empty() {
+            self.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
+        }
     }
 
     /// Adds figures of half the width beside each other, two in a row.

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::curves;
 use super::figure::{Curve, Figure, HALF, Level, Panel, Shape, WIDE};
-use super::html::capitalised;
+use super::html::{Captioned, capitalised};
 use super::{Page, palette};
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Outcome};
@@ -15,8 +15,6 @@ use crate::report::identification as text;
 const STRETCH: f64 = 12.0;
 
 const TIME: &str = "time since the first frame";
-
-type Captioned = (Figure, String);
 
 /// The whole page; the recordings were read with the configuration `with`.
 pub fn page(outcome: &Outcome, with: &ReadWith) -> String {
@@ -44,16 +42,12 @@ pub fn add(page: &mut Page, outcome: &Outcome) {
         page.heading("Residuals of the prediction (Figure 4-9)");
         page.section(&tests);
         page.paragraph(&capitalised(text::CLOSED_LOOP));
-        show(page, &shown(outcome, correlations));
+        page.captioned(&shown(outcome, correlations));
     }
     show_data(page, outcome);
     if let Some(nonlinear) = &outcome.nonlinear {
         curves::add(page, nonlinear);
     }
-}
-
-fn show(page: &mut Page, figures: &[Captioned]) {
-    page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
 /// Figures by `of` for each cylinder that was tried.
@@ -227,7 +221,7 @@ fn show_data(page: &mut Page, outcome: &Outcome) {
     page.paragraph(&format!(
         "The beginning of the part that the models were tried on, {STRETCH:.0} s of it."
     ));
-    show(page, &figures);
+    page.captioned(&figures);
 }
 
 fn smoothed(outcome: &Outcome, cylinder: &CylinderOutcome, trials: &Trials) -> Option<Captioned> {

@@ -314,7 +314,7 @@ fn histograms(page: &mut Page, summary: &Summary<'_>, recorded: &Recorded) {
         return;
     }
     page.heading("How large the residuals were");
-    page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
+    page.captioned(&figures);
 }
 
 /// Histograms of one residual, for all cylinders together and for each.

@@ -41,7 +41,7 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     page.table(&stops.columns(), &stops.rows());
     let figures: Vec<(Figure, String)> =
         stops.stops.iter().filter_map(|stop| figure(stop, stops)).collect();
-    page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
+    page.captioned(&figures);
 }
 
 /// Moves of the readings of one cylinder; `None` with too few dwells.

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::figure::{Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
-use super::html::capitalised;
+use super::html::{Captioned, capitalised};
 use super::{Page, palette};
 use crate::extremes::four_digits;
 use crate::extremes::{Tail, per_second};
@@ -10,8 +10,6 @@ use crate::report::ReadWith;
 use crate::report::tuning as text;
 use crate::tables::tuning::length;
 use crate::tune::{Detector, Tuning};
-
-type Captioned = (Figure, String);
 
 /// Number of bins of the sketch that form one of the figure: 4 % of the magnitude.
 const GROUP: usize = 8;
@@ -52,16 +50,10 @@ pub fn add(page: &mut Page, result: &Tuning) {
     page.figures([(&responses(result), "The residual after a step of 1 in the reading")]);
     page.heading("Healthy residuals and their tails");
     page.section(&text::tails(result));
-    show(page, &pairs(result));
+    page.captioned(&pairs(result));
     page.heading("Weights");
     page.section(&text::search(&result.search));
     page.paragraph(&capitalised(&text::tried(&result.search)));
-}
-
-fn show(page: &mut Page, figures: &[Captioned]) {
-    if !figures.is_empty() {
-        page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
-    }
 }
 
 /// Thresholds as vertical lines on `x`; δ_h as it is written.
