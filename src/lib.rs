@@ -122,8 +122,6 @@ pub mod live;
 pub mod report;
 pub mod story;
 
-#[cfg(feature = "learning")]
-pub use tertius_assess::{commission, evaluate};
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
 pub use tertius_core::{
@@ -131,6 +129,8 @@ pub use tertius_core::{
     process, sample, sequential, text, time, verdict,
 };
 pub use tertius_dbc as dbc;
+#[cfg(feature = "learning")]
+pub use tertius_assess::{commission, evaluate};
 #[cfg(feature = "learning")]
 pub use tertius_learn::{
     calibrate, extremes, identify, learnt, propose, relate, survey, tables, tune,

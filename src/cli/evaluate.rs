@@ -7,17 +7,15 @@ use super::overriding::SetOptions;
 use super::plant::{self, PlantOptions};
 use super::progress::Bar;
 use crate::config::Settings;
-use crate::evaluate::contest::Contest;
-use crate::evaluate::weights::{self, Weighing};
+use crate::evaluate::weights;
 use crate::evaluate::{
-    Evaluation, Extent, Gathering, Grade, Job, Learnt, Lessons, Plan, Product, Stand, StandError,
-    Study,
+    Extent, Grade, Lessons, Plan, Stand, StandError, StudyName, Workers, study_names,
 };
 use crate::failure::print;
-use crate::monitor::MonitorDesign;
 use crate::report::{evaluation, page};
-use crate::simulator::{Options, Tables};
+use crate::simulator::Tables;
 use crate::tune::Weights;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -57,8 +55,8 @@ pub struct Evaluate {
     #[arg(long)]
     quick: bool,
     /// Runs only these studies
-    #[arg(long, value_name = "NAME,…", value_enum, value_delimiter = ',')]
-    rows: Vec<Studied>,
+    #[arg(long, value_name = "NAME,…", value_parser = studies(), value_delimiter = ',')]
+    rows: Vec<&'static str>,
     /// Significant wave height, m, and peak period, s; may be repeated [default: the plant's, a calmer
     /// and a rougher one, 2.5,8 and 1.5,7 and 3,10 of the built-in plant; --quick: the plant's]
     #[arg(long = "sea", value_name = "HS,TP")]
@@ -89,91 +87,15 @@ enum Format {
     Json,
 }
 
-/// Studies that can be selected by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Studied {
-    /// Type I (5-15), (5-16)
-    Step,
-    /// Type II (5-17)
-    Noise,
-    /// Type III (5-18)
-    Incipient,
-    /// A constant rate
-    Drift,
-    /// A gain error
-    Scale,
-    /// Frozen, stale, lost, out of range, broken wire, spikes
-    Data,
-    /// No fault: what is found by chance
-    Chance,
-    /// Faults of C1 that the controller reads, beside those that it does not
-    Loop,
-    /// Thresholds and sequential detectors on the same faults and hours
-    Contest,
-    /// The virtual third sensor
-    Estimate,
-    /// Weights of the observers, each with its own thresholds
-    Weights,
-    /// Faults of valves, pressures and commands, which are no transducer's
-    Process,
-    /// A machine whose controller hears who is blamed: code blacks with and without
-    Handover,
-    /// Drifts of C1 and of C2 that the controller reads: which of them is named, and how soon
-    Side,
-    /// The same by the attitude of the deck, which takes a sensor there
-    Hexapod,
-    /// Faults of the transducer that is left after the other one was lost, froze or stepped by 10 mm
-    Last,
-    /// The same on cylinders that have no C2
-    Single,
-    /// The estimate by a transducer less its step, once the other one is lost
-    Accommodate,
-    /// False alarms
-    Healthy,
-}
-
-impl Studied {
-    /// Whether it takes seconds with few faults; studies that learn first, or simulate long, do
-    /// not.
-    const fn is_quick(self) -> bool {
-        !matches!(
-            self,
-            Self::Contest
-                | Self::Estimate
-                | Self::Weights
-                | Self::Process
-                | Self::Handover
-                | Self::Side
-                | Self::Hexapod
-                | Self::Last
-                | Self::Single
-                | Self::Accommodate
-        )
-    }
-
-    const fn study(self) -> Option<Study> {
-        Some(match self {
-            Self::Step => Study::Step,
-            Self::Noise => Study::Noise,
-            Self::Incipient => Study::Incipient,
-            Self::Drift => Study::Drift,
-            Self::Scale => Study::Scale,
-            Self::Data => Study::Data,
-            Self::Chance => Study::Chance,
-            Self::Loop => Study::Loop,
-            Self::Contest => Study::Contest,
-            Self::Estimate => Study::Estimate,
-            Self::Weights => Study::Weights,
-            Self::Process => Study::Process,
-            Self::Handover => Study::Handover,
-            Self::Side => Study::Side,
-            Self::Hexapod => Study::Hexapod,
-            Self::Last => Study::Last,
-            Self::Single => Study::Single,
-            Self::Accommodate => Study::Accommodate,
-            Self::Healthy => return None,
-        })
-    }
+/// Names of studies as values of an option, with their help; what has no faults comes last.
+fn studies() -> impl TypedValueParser<Value = &'static str> {
+    let mut names: Vec<StudyName> = study_names().into_iter().map(|(study, _)| study).collect();
+    names.sort_by_key(|study| study.name == "healthy");
+    let values = names.clone().into_iter().map(|it| PossibleValue::new(it.name).help(it.about));
+    PossibleValuesParser::new(values).map(move |given| {
+        let own = names.iter().find(|study| study.name == given);
+        own.map_or("", |study| study.name)
+    })
 }
 
 /// Default seas: heights and periods by those of the plant's table.
@@ -198,15 +120,10 @@ impl Evaluate {
         PlantOptions::compare(&tables, settings);
         let plan = Plan::new(self.seed, self.extent(settings, &tables)?)
             .map_err(|error| Failure::Wrong(error.to_string()))?;
-        let mut stand = Stand::new(&tables, settings, &machine.database, &machine.design);
+        let stand = Stand::new(&tables, settings, &machine.database, &machine.design);
+        let wrong = |error: StandError| Failure::Wrong(error.to_string());
         // Whatever the call asks for that cannot be, before anything is done.
-        for cell in &plan.cells {
-            let options = Options { sea: Some(cell.sea), ..Options::default() };
-            stand.simulator(*cell, &options).map_err(|error| Failure::Wrong(error.to_string()))?;
-        }
-        if let Some(weighing) = &plan.weighing {
-            stand.weighed = weighed(weighing, &machine)?;
-        }
+        plan.check(&stand).map_err(wrong)?;
         // And where it cannot be written, before minutes have been spent on it.
         let inputs = Inputs::new(machine.files(&self.config).chain(self.plant.files()));
         let wanted = [
@@ -214,30 +131,13 @@ impl Evaluate {
             (self.report.as_deref(), Mark::Page("evaluate")),
         ];
         let [output, report] = inputs.claim(wanted, self.overwriting)?;
-        if let Some(contest) = &plan.contest {
-            stand.monitors = learn(contest, &stand, plan.extent.lessons)?;
-        }
-        if let Some(process) = &plan.process {
-            stand.taught =
-                process.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
-        }
-        if let Some(handover) = &plan.handover {
-            stand.handing =
-                of_grades(&handover.grades, |grade| Ok((grade, handover.design(&stand, grade)?)))?;
-        }
-        if let Some(side) = &plan.side {
-            stand.sided =
-                side.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
-        }
-        if let Some(hexapod) = &plan.hexapod {
-            stand.decked =
-                hexapod.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
-        }
-        if let Some(last) = &plan.last {
-            stand.single =
-                last.without_c2(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
-        }
-        let evaluation = self.evaluate(&plan, &stand)?;
+        let threads = self.threads.or_else(|| std::thread::available_parallelism().ok());
+        let threads = threads.map_or(1, NonZero::get);
+        let campaign = plan.teach(&stand, &Threads { threads, bar: None }).map_err(wrong)?;
+        let bar = Bar::counting(campaign.jobs());
+        let evaluation = campaign.evaluate(&Threads { threads, bar: Some(&bar) });
+        bar.finish();
+        let evaluation = evaluation.map_err(wrong)?;
         let with = machine.loaded.fingerprints();
         let json = evaluation::json(&evaluation, &with);
         if let Some(file) = output {
@@ -254,16 +154,12 @@ impl Evaluate {
     }
 
     fn extent(&self, settings: &Settings, tables: &Tables) -> Result<Extent, Failure> {
-        let asked: Vec<Studied> = if self.rows.is_empty() {
-            let all = Studied::value_variants().iter().copied();
-            let has_top = settings.signals.top_roll.is_some();
-            all.filter(|studied| !self.quick || studied.is_quick())
-                .filter(|studied| *studied != Studied::Hexapod || has_top)
-                .collect()
-        } else {
-            self.rows.clone()
+        let usual = || {
+            let all = study_names().into_iter();
+            let quick = all.filter(|(study, _)| !self.quick || study.is_quick);
+            quick.filter(|(_, fits)| fits(settings)).map(|(study, _)| study.name).collect()
         };
-        let healthy = asked.contains(&Studied::Healthy);
+        let studies = if self.rows.is_empty() { usual() } else { self.rows.clone() };
         let hours = self.hours.unwrap_or(if self.quick { 0.1 } else { 10.0 });
         let given = self.seas.iter().map(|text| plant::sea(text)).collect::<Result<Vec<_>, _>>()?;
         let usual =
@@ -275,20 +171,10 @@ impl Evaluate {
         };
         Ok(Extent {
             trials: self.trials.unwrap_or(if self.quick { 12 } else { 600 }),
-            hours: if healthy { hours } else { 0.0 },
+            hours,
             seas,
-            weights_hours: if asked.contains(&Studied::Weights) { hours } else { 0.0 },
             weights: self.sets(settings)?,
-            process_hours: if asked.contains(&Studied::Process) { hours } else { 0.0 },
-            hexapod_hours: if asked.contains(&Studied::Hexapod) { hours } else { 0.0 },
-            last_hours: if [Studied::Last, Studied::Single].iter().any(|it| asked.contains(it)) {
-                hours
-            } else {
-                0.0
-            },
-            side_hours: if asked.contains(&Studied::Side) { hours } else { 0.0 },
-            contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
-            studies: asked.into_iter().filter_map(Studied::study).collect(),
+            studies,
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },
             cylinders: settings.machine.cylinders,
             taught: Grade::taught(settings, tables),
@@ -312,33 +198,6 @@ impl Evaluate {
         let own = Some(configured).filter(|own| !weights::SETS.contains(own));
         Ok(own.into_iter().chain(weights::SETS).collect())
     }
-
-    /// Does the jobs on all cores, and gathers their results.
-    fn evaluate(&self, plan: &Plan, stand: &Stand) -> Result<Evaluation, Failure> {
-        let settings = stand.settings;
-        let sample_time = settings.machine.sample_time;
-        let block = f64::from(settings.warning_cycles()) * sample_time;
-        let jobs = plan.jobs();
-        let threads = self.threads.or_else(|| std::thread::available_parallelism().ok());
-        let (next, bar) = (AtomicUsize::new(0), Bar::counting(jobs.len()));
-        let mut gathering = Gathering::new(plan, sample_time);
-        let gathered = std::thread::scope(|scope| {
-            let (sender, receiver) = mpsc::sync_channel(WAITING);
-            for _ in 0..threads.map_or(1, NonZero::get).min(jobs.len().max(1)) {
-                let (sender, next, jobs) = (sender.clone(), &next, &jobs);
-                scope.spawn(move || work(plan, stand, jobs, next, &sender));
-            }
-            drop(sender);
-            for (job, product) in receiver {
-                let product = product.map_err(|error| Failure::Wrong(error.to_string()))?;
-                gathering.take(job, product);
-                bar.count();
-            }
-            Ok(())
-        });
-        bar.finish();
-        gathered.map(|()| gathering.finish(&settings.machine.name, &stand.monitors, block))
-    }
 }
 
 /// The diagonals of Q and R.
@@ -350,50 +209,41 @@ fn weights(text: &str) -> Result<Weights, String> {
     }
 }
 
-/// The monitors by the sets of weights.
-fn weighed(weighing: &Weighing, machine: &Machine) -> Result<Vec<MonitorDesign>, Failure> {
-    weighing.designs(&machine.loaded.settings, &machine.database).map_err(|flaws| {
-        let told: Vec<String> =
-            flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect();
-        Failure::Wrong(format!("--weights: {}", told.join("; ")))
-    })
+/// Does jobs on so many threads at once.
+struct Threads<'a> {
+    threads: usize,
+    /// Counts the jobs.
+    bar: Option<&'a Bar>,
 }
 
-/// Teaches the detectors of all grades, each grade on a core of its own.
-fn learn(contest: &Contest, stand: &Stand, lessons: Lessons) -> Result<Vec<Learnt>, Failure> {
-    of_grades(&contest.grades, |grade| {
-        stand.learn(grade, &contest.seas, contest.lessons(), lessons)
-    })
-}
-
-/// What is learnt of each grade, each on a core of its own.
-fn of_grades<T: Send>(
-    grades: &[Grade],
-    learn: impl Fn(Grade) -> Result<T, StandError> + Sync,
-) -> Result<Vec<T>, Failure> {
-    let learn = &learn;
-    let learnt: Vec<_> = std::thread::scope(|scope| {
-        let started: Vec<_> =
-            grades.iter().map(|grade| scope.spawn(move || learn(*grade))).collect();
-        started.into_iter().map(|it| it.join().expect("learning does not panic")).collect()
-    });
-    let wrong = |error: StandError| Failure::Wrong(error.to_string());
-    learnt.into_iter().map(|learnt| learnt.map_err(wrong)).collect()
-}
-
-type Brought = (Job, Result<Product, StandError>);
-
-/// Does jobs until there are none, or nobody takes the results.
-fn work(
-    plan: &Plan,
-    stand: &Stand,
-    jobs: &[Job],
-    next: &AtomicUsize,
-    sender: &mpsc::SyncSender<Brought>,
-) {
-    while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-        if sender.send((*job, plan.run(stand, *job))).is_err() {
-            return;
-        }
+impl Workers for Threads<'_> {
+    fn each<T: Send>(
+        &self,
+        count: usize,
+        job: impl Fn(usize) -> Result<T, StandError> + Sync,
+        mut take: impl FnMut(usize, T),
+    ) -> Result<(), StandError> {
+        let (next, job) = (&AtomicUsize::new(0), &job);
+        std::thread::scope(|scope| {
+            let (sender, receiver) = mpsc::sync_channel(WAITING);
+            for _ in 0..self.threads.min(count) {
+                let sender = sender.clone();
+                scope.spawn(move || {
+                    // Until there are no more, or the first one has failed.
+                    loop {
+                        let index = next.fetch_add(1, Ordering::Relaxed);
+                        if index >= count || sender.send((index, job(index))).is_err() {
+                            return;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            for (index, result) in receiver {
+                take(index, result?);
+                self.bar.iter().for_each(|bar| bar.count());
+            }
+            Ok(())
+        })
     }
 }

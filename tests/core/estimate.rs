@@ -8,7 +8,7 @@ use tertius::config::design;
 use tertius::dbc::{Database, text};
 use tertius::estimate::Estimate;
 use tertius::evaluate::{
-    CASES, Cell, EstimateResult, Extent, Gathering, Grade, Lessons, Plan, Stand, Study,
+    CASES, Cell, EstimateResult, EstimateStudy, Grade, Serial, Stand, TaughtStudy,
 };
 use tertius::monitor::{Estimates, Monitor, Sink};
 use tertius::time::Timestamp;
@@ -32,32 +32,11 @@ fn plain() -> &'static Setup {
 fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
     let design = design::judging(&setup.settings, &setup.database).expect("they fit");
     let stand = Stand::new(&setup.tables, &setup.settings, &setup.database, &design);
-    let studies = vec![Study::Estimate];
-    let lessons = Lessons { calibration: 0.0, level: 0.0 };
-    let extent = Extent {
-        taught: None,
-        process_hours: 0.0,
-        side_hours: 0.0,
-        hexapod_hours: 0.0,
-        last_hours: 0.0,
-        cylinders: 6,
-        lag: 0.06,
-        trials: 6 * machines,
-        hours: 0.0,
-        seas: vec![SEA],
-        studies,
-        contest_hours: 0.0,
-        lessons,
-        weights_hours: 0.0,
-        weights: Vec::new(),
-    };
-    let mut plan = Plan::new(4, extent).expect("it is not too much");
-    plan.cells = vec![Cell { grade: Grade::Fine, sea: SEA }];
-    let mut gathering = Gathering::new(&plan, setup.settings.machine.sample_time);
-    for job in plan.jobs() {
-        gathering.take(job, plan.run(&stand, job).expect("it can be simulated"));
-    }
-    let figures = gathering.finish("it", &[], 1.0).estimates;
+    let cells = vec![Cell { grade: Grade::Fine, sea: SEA }];
+    let study = EstimateStudy { cells, machines, seed: 4, cylinders: 6 };
+    let workers = Serial::default();
+    let course = TaughtStudy::new(&study, &stand, &workers).expect("nothing is learnt");
+    let figures = course.figures(&workers).expect("it can be simulated");
     assert_eq!(figures.len(), CASES.len());
     for it in &figures {
         println!(

@@ -5,12 +5,12 @@ use tertius::alarm::Detector;
 use tertius::config::design;
 use tertius::config::{self, Settings};
 use tertius::dbc::{Database, text};
-use tertius::evaluate::contest::{Course, Rival};
-use tertius::evaluate::process::ProcessMachine;
-use tertius::evaluate::weights::{FAULTS, SETS, SetResult};
+use tertius::evaluate::contest::{Contest, Rival};
+use tertius::evaluate::rows::{Row, RowGroup, RowJob, RowStudy};
+use tertius::evaluate::weights::{FAULTS, SETS, SetResult, Weighing};
 use tertius::evaluate::{
-    Blame, Cell, Evaluation, Extent, Gathering, Grade, Job, Lessons, Outcome, Plan, Product, Row,
-    Stand, Study,
+    Blame, Cell, Extent, Grade, Lessons, Outcome, Plan, ProcessMachine, Serial, Stand, StandError,
+    Study, TaughtStudy, Workers,
 };
 use tertius::inject::{Shape, Wanted};
 use tertius::monitor::MonitorDesign;
@@ -21,6 +21,7 @@ use tertius_testing::support::{self, Scratch};
 
 const CONFIG: &str = "config/e-type-simulated.toml";
 const SEA: [f64; 2] = [2.5, 8.0];
+const SEED: u64 = 4;
 
 struct Bench {
     settings: Settings,
@@ -42,44 +43,31 @@ impl Bench {
 
     /// The outcomes of so many machines of `row`.
     fn outcomes(&self, row: Row, machines: u32) -> Vec<Outcome> {
-        let plan = Plan { rows: vec![row], ..plan(&[], 1, 0.0) };
-        let run = |number| plan.run(&self.stand(), Job::Trial { row: 0, number });
+        let study =
+            RowStudy { rows: vec![row], trials: 1, seed: SEED, cylinders: 6, taught: false };
+        let run = |number| study.run(&self.stand(), &[], RowJob { row: 0, number });
         let products = (0..machines).map(|number| run(number).expect("it can be simulated"));
-        products
-            .flat_map(|product| match product {
-                Product::Trial(outcomes) => outcomes,
-                _ => panic!("a trial was asked for"),
-            })
-            .collect()
+        products.flat_map(|product| product.outcomes).collect()
     }
 }
 
-fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
-    let lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
-    let studies = studies.to_vec();
-    let extent = Extent {
-        process_hours: 0.0,
-        side_hours: 0.0,
-        hexapod_hours: 0.0,
-        last_hours: 0.0,
+fn extent(studies: &[&'static str], trials: u32, hours: f64) -> Extent {
+    Extent {
         cylinders: 6,
         taught: None,
         lag: 0.06,
         trials,
         hours,
         seas: vec![SEA],
-        studies,
-        contest_hours: hours,
-        lessons,
-        weights_hours: hours,
+        studies: studies.to_vec(),
+        lessons: Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 },
         weights: SETS.to_vec(),
-    };
-    Plan::new(4, extent).expect("it is not too much")
+    }
 }
 
 fn row(shape: Option<Shape>) -> Row {
     Row {
-        study: Study::Step,
+        group: RowGroup::Step,
         cell: Cell { grade: Grade::Fine, sea: SEA },
         in_loop: false,
         wanted: shape.map(Wanted::Shape),
@@ -121,7 +109,8 @@ fn where_nothing_happens_nothing_is_found() {
 #[test]
 fn a_drift_in_the_loop_moves_the_rod_and_not_the_reading() {
     let bench = Bench::new();
-    let drift = Row { study: Study::Loop, watch: 12.0, ..row(Some(Shape::Drift { rate: 1e-3 })) };
+    let drift =
+        Row { group: RowGroup::Loop, watch: 12.0, ..row(Some(Shape::Drift { rate: 1e-3 })) };
     let (beside, within) = (drift, Row { in_loop: true, ..drift });
     for (open, closed) in bench.outcomes(beside, 6).iter().zip(bench.outcomes(within, 6)) {
         assert_eq!(open.rod, Some(0.0));
@@ -137,33 +126,61 @@ fn a_drift_in_the_loop_moves_the_rod_and_not_the_reading() {
     }
 }
 
-fn evaluated(
-    stand: &Stand,
-    bench: &Bench,
-    plan: &Plan,
-    jobs: impl Iterator<Item = Job>,
-) -> Evaluation {
-    let mut gathering = Gathering::new(plan, bench.settings.machine.sample_time);
-    for job in jobs {
-        gathering.take(job, plan.run(stand, job).expect("it can be simulated"));
-    }
-    gathering.finish("a machine", &stand.monitors, 1.0)
+/// The figures of `study`, which does not depend on the order of its jobs, and the number of these.
+fn figures<S: Study>(study: &S, stand: &Stand) -> (usize, S::Figures) {
+    let course = TaughtStudy::new(study, stand, &Serial::default()).expect("it can be learnt");
+    let evaluated = |reversed| course.figures(&Serial { reversed }).expect("it can be simulated");
+    let forwards = evaluated(false);
+    assert_eq!(forwards, evaluated(true));
+    (course.jobs(), forwards)
 }
 
 #[test]
 fn the_order_of_the_jobs_does_not_matter() {
     let bench = Bench::new();
-    let plan = plan(&[Study::Chance, Study::Noise], 12, 0.3);
-    let jobs = plan.jobs();
-    assert_eq!(jobs.len(), (2 * 7 + 2) * 2, "two machines each for 7 rows and a stretch, 2 grades");
+    let extent = extent(&["chance", "noise", "healthy"], 12, 0.3);
+    let plan = Plan::new(SEED, extent).expect("it is not too much");
     let stand = bench.stand();
-    let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
-    let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
-    assert_eq!(forwards, backwards);
-    assert_eq!((forwards.rows.len(), forwards.healthy.len()), (14, 2));
-    for cell in &forwards.healthy {
+    let campaign = plan.teach(&stand, &Serial::default()).expect("nothing is learnt");
+    let jobs = campaign.jobs();
+    assert_eq!(jobs, (2 * 7 + 2) * 2, "two machines each for 7 rows and a stretch, 2 grades");
+    let evaluated =
+        |reversed| campaign.evaluate(&Serial { reversed }).expect("it can be simulated");
+    let forwards = evaluated(false);
+    assert_eq!(forwards, evaluated(true));
+    let (rows, healthy) = forwards.rows.zip(forwards.healthy).expect("they were asked for");
+    assert_eq!((rows.len(), healthy.len()), (14, 2));
+    for cell in &healthy {
         assert!((0.32..0.334).contains(&cell.hours), "two stretches: {} h", cell.hours);
     }
+    assert_eq!((forwards.contest, forwards.process), (None, None));
+}
+
+/// Does all jobs but the first.
+struct Lazy;
+
+impl Workers for Lazy {
+    fn each<T: Send>(
+        &self,
+        count: usize,
+        job: impl Fn(usize) -> Result<T, StandError> + Sync,
+        mut take: impl FnMut(usize, T),
+    ) -> Result<(), StandError> {
+        (1..count).try_for_each(|index| job(index).map(|it| take(index, it)))
+    }
+}
+
+/// No figures are made of a part of the trials, as if it were all.
+#[test]
+fn a_trial_that_is_missing_is_an_error() {
+    let bench = Bench::new();
+    let plan = Plan::new(SEED, extent(&["chance"], 12, 0.0)).expect("it is not too much");
+    let stand = bench.stand();
+    let campaign = plan.teach(&stand, &Lazy).expect("nothing is learnt");
+    let of = campaign.jobs();
+    assert_eq!(campaign.evaluate(&Lazy), Err(StandError::Unfinished { done: of - 1, of }));
+    let unknown = Plan::new(SEED, extent(&["guess"], 12, 0.0)).expect_err("it is none");
+    assert_eq!(unknown.to_string(), "there is no study \"guess\"");
 }
 
 /// Weights for fine transducers ask for less at the same rate of false alarms than those of the thesis's design,
@@ -171,23 +188,16 @@ fn the_order_of_the_jobs_does_not_matter() {
 #[test]
 fn weights_are_compared_on_the_same_machines_each_with_its_own_threshold() {
     let bench = Bench::new();
-    let mut stand = bench.stand();
-    let mut plan = Plan { cells: Vec::new(), ..plan(&[Study::Weights], 24, 0.5) };
-    let weighing = plan.weighing.as_mut().expect("it was asked for");
-    weighing.seas = vec![SEA, [1.2, 6.5]];
-    stand.weighed =
-        weighing.designs(&bench.settings, &bench.database).expect("they have observers");
-    let jobs = plan.jobs();
-    assert_eq!(jobs.len(), 3 * (3 + 4 * FAULTS.len()), "stretches, and machines of six faults");
-    let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
-    let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
-    assert_eq!(forwards, backwards);
-    assert_eq!(forwards.weights.len(), 3 * SETS.len());
+    let weighing = Weighing::planned(SEED, &extent(&["weights"], 24, 0.5));
+    let weighing = Weighing { seas: vec![SEA, [1.2, 6.5]], ..weighing.expect("it was asked for") };
+    let (jobs, weights) = figures(&weighing, &bench.stand());
+    assert_eq!(jobs, 3 * (3 + 4 * FAULTS.len()), "stretches, and machines of six faults");
+    assert_eq!(weights.len(), 3 * SETS.len());
     let of = |kind: &str, set: usize| {
-        let mut results = forwards.weights.iter().filter(|result| result.kind == kind);
+        let mut results = weights.iter().filter(|result| result.kind == kind);
         results.nth(set).expect("there is one for each set")
     };
-    for result in &forwards.weights {
+    for result in &weights {
         let [hourly, daily, yearly] = result.levels.expect("half an hour is enough for a tail");
         assert!(3e-4 < hourly && hourly < daily && daily < yearly, "{result:?}");
         let [thesis, own] = &result.seen[..] else { panic!("{result:?}") };
@@ -206,36 +216,26 @@ fn weights_are_compared_on_the_same_machines_each_with_its_own_threshold() {
 }
 
 /// One grade, few rows, and an hour without a fault.
-fn contest(bench: &Bench, stand: &mut Stand, labels: &[&str]) -> Plan {
-    let mut plan = Plan { rows: Vec::new(), cells: Vec::new(), ..plan(&[Study::Contest], 12, 0.0) };
-    let contest = plan.contest.as_mut().expect("it was asked for");
+fn contest(bench: &Bench, labels: &[&str]) -> Contest {
+    let contest = Contest::planned(SEED, &extent(&["contest"], 12, 0.0));
+    let mut contest = contest.expect("it was asked for");
     contest.hours = 1.0;
     contest.grades = vec![Grade::Fine];
-    contest.rows.retain(|(row, course)| {
-        let label =
-            format!("{}{}", row.label(), if *course == Course::Stop { ", stop" } else { "" });
-        row.cell.grade == Grade::Fine && labels.contains(&label.as_str())
-    });
+    contest.rows.retain(|row| row.grade == Grade::Fine && labels.contains(&&*row.label()));
     assert_eq!(contest.rows.len(), labels.len());
-    let learnt = stand.learn(Grade::Fine, &contest.seas, contest.lessons(), plan.extent.lessons);
-    stand.monitors = vec![learnt.expect("it can be learnt")];
     assert!(bench.settings.cylinder.iter().all(|cylinder| cylinder.sequential.is_none()));
-    plan
+    contest
 }
 
 /// The figures of the contest are those of its own docs, on fewer faults.
 #[test]
 fn detectors_are_compared_on_the_same_faults_and_hours() {
     let bench = Bench::new();
-    let mut stand = bench.stand();
-    let labels = ["step 0.5 mm", "noise 2 σ", "drift 1 mm/s", "none", "drift 0.025 mm/s, stop"];
-    let plan = contest(&bench, &mut stand, &labels);
-    let jobs = plan.jobs();
-    assert_eq!(jobs.len(), 5 * 6 + 1, "six machines a row, each with two faults, and an hour");
-    let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
-    let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
-    assert_eq!(forwards, backwards);
-    let [result] = &forwards.contest[..] else { panic!("{} grades", forwards.contest.len()) };
+    let labels =
+        ["step 0.5 mm", "noise 2 σ", "drift 1 mm/s", "none", "drift 0.025 mm/s, then the stop"];
+    let (jobs, grades) = figures(&contest(&bench, &labels), &bench.stand());
+    assert_eq!(jobs, 5 * 6 + 1, "six machines a row, each with two faults, and an hour");
+    let [result] = &grades[..] else { panic!("{} grades", grades.len()) };
     let hours = &result.hours;
     // Where ten minutes of calibration have not been, nothing is judged.
     assert!((0.9..1.0).contains(&hours.hours), "{} h", hours.hours);
@@ -295,8 +295,9 @@ fn a_machine_with_hydraulics_is_commissioned_with_thresholds_and_relations_of_it
 #[test]
 fn what_was_not_learnt_is_told() {
     let bench = Bench::new();
-    let plan = plan(&[Study::Contest], 6, 0.0);
-    let error = plan.run(&bench.stand(), plan.jobs()[0]).expect_err("nothing was learnt");
+    let contest = contest(&bench, &["none"]);
+    let error = contest.run(&bench.stand(), &[], contest.jobs()[0]);
+    let error = error.expect_err("nothing was learnt");
     assert!(error.to_string().contains("fine was not learnt"), "{error}");
 }
 

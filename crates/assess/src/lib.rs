@@ -6,3 +6,4 @@
 
 pub mod commission;
 pub mod evaluate;
+mod flaws;

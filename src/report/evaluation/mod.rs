@@ -12,9 +12,10 @@ mod weights;
 use super::IdentityFields;
 use super::sheet::{Section, Sheet};
 use crate::config::Fingerprints;
+use crate::evaluate::rows::{IncidentFigures, RowGroup, RowResult};
 use crate::evaluate::{
-    CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, IncidentFigures, Plan, Proportion,
-    RowResult, Study, SuspectFigures, WITHIN,
+    CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, Plan, Proportion, SuspectFigures,
+    WITHIN,
 };
 use crate::text::Millimetres;
 use serde::Serialize;
@@ -63,13 +64,16 @@ pub fn extent(plan: &Plan) -> String {
 
 /// All tables that have rows.
 pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
-    let mut sections = vec![thesis(evaluation)];
-    sections.extend(plan.cells.iter().map(|cell| detection(*cell, evaluation)));
-    sections.extend(plan.cells.iter().map(|cell| incidents(*cell, evaluation)));
-    sections.extend([loops(evaluation), healthy(&evaluation.healthy)]);
-    sections.extend(contest::sections(&evaluation.contest));
-    sections.push(estimates(&evaluation.estimates));
-    sections.push(weights::section(&evaluation.weights));
+    let rows = evaluation.rows.as_deref().unwrap_or_default();
+    let cells = plan.extent.cells();
+    let mut sections = vec![thesis(rows)];
+    sections.extend(cells.iter().map(|cell| detection(*cell, rows)));
+    sections.extend(cells.iter().map(|cell| incidents(*cell, rows)));
+    sections.push(loops(rows));
+    sections.extend(evaluation.healthy.iter().map(|cells| healthy(cells)));
+    sections.extend(evaluation.contest.iter().flat_map(|grades| contest::sections(grades)));
+    sections.extend(evaluation.estimates.iter().map(|cases| estimates(cases)));
+    sections.extend(evaluation.weights.iter().map(|sets| weights::section(sets)));
     sections.extend(evaluation.process.iter().flat_map(process::sections));
     sections.extend(evaluation.handover.iter().flat_map(handover::sections));
     sections.extend(evaluation.side.iter().flat_map(side::sections));
@@ -90,7 +94,7 @@ fn sea([height, period]: [f64; 2]) -> String {
 }
 
 /// Types I, II and III beside the thesis's claims.
-fn thesis(evaluation: &Evaluation) -> Section {
+fn thesis(rows: &[RowResult]) -> Section {
     let mut sheet = Sheet::new(&[
         "fault",
         "the thesis",
@@ -101,7 +105,7 @@ fn thesis(evaluation: &Evaluation) -> Section {
         "holds",
         "by any",
     ]);
-    let claimed = evaluation.rows.iter().filter_map(|row| Some((row, row.thesis.as_ref()?)));
+    let claimed = rows.iter().filter_map(|row| Some((row, row.thesis.as_ref()?)));
     for (row, judged) in claimed {
         sheet.add_row([
             row.label.clone(),
@@ -120,15 +124,15 @@ fn thesis(evaluation: &Evaluation) -> Section {
     )
 }
 
-fn detection(cell: Cell, evaluation: &Evaluation) -> Section {
+fn detection(cell: Cell, rows: &[RowResult]) -> Section {
     let mut header: Vec<String> = ["fault", "faults"].map(str::to_owned).to_vec();
     header.extend(WITHIN.map(|seconds| format!("{seconds} s")));
     let more =
         ["interval", "median", "99 %", "suspect", "kind", "own observer", "FDE3", "plausibility"];
     header.extend(more.map(str::to_owned));
     let mut sheet = Sheet::new(&header);
-    let of_cell = |it: &&RowResult| it.row.cell == cell && it.row.study != Study::Loop;
-    for row in evaluation.rows.iter().filter(of_cell) {
+    let of_cell = |it: &&RowResult| it.row.cell == cell && it.row.group != RowGroup::Loop;
+    for row in rows.iter().filter(of_cell) {
         let figures = &row.figures;
         let mut cells = vec![row.label.clone(), figures.faults.to_string()];
         cells.extend(figures.found.iter().map(|found| percent(&found.found)));
@@ -151,7 +155,7 @@ fn detection(cell: Cell, evaluation: &Evaluation) -> Section {
 
 /// What the incidents say, beside the warnings that they are made of, and in the last row of all faults of the
 /// cell together.
-fn incidents(cell: Cell, evaluation: &Evaluation) -> Section {
+fn incidents(cell: Cell, rows: &[RowResult]) -> Section {
     let mut sheet = Sheet::new(&[
         "fault",
         "found",
@@ -162,9 +166,9 @@ fn incidents(cell: Cell, evaluation: &Evaluation) -> Section {
         "its kind",
         "of the warnings",
     ]);
-    let of_cell = |it: &&RowResult| it.row.cell == cell && it.row.study != Study::Loop;
+    let of_cell = |it: &&RowResult| it.row.cell == cell && it.row.group != RowGroup::Loop;
     let (mut one, mut of, mut split) = (0, 0, 0);
-    for row in evaluation.rows.iter().filter(of_cell) {
+    for row in rows.iter().filter(of_cell) {
         let IncidentFigures { one: alone, split: several, suspect, named } = row.figures.incidents;
         if alone.of == 0 {
             continue;
@@ -193,7 +197,7 @@ fn incidents(cell: Cell, evaluation: &Evaluation) -> Section {
 }
 
 /// Table of the same faults beside the loop and in it.
-fn loops(evaluation: &Evaluation) -> Section {
+fn loops(rows: &[RowResult]) -> Section {
     let mut sheet = Sheet::new(&[
         "fault of C1",
         "controller",
@@ -212,7 +216,7 @@ fn loops(evaluation: &Evaluation) -> Section {
         "others",
     ]);
     let mm = |metres: f64| format!("{:.2}", metres * 1e3);
-    for row in evaluation.rows.iter().filter(|row| row.row.study == Study::Loop) {
+    for row in rows.iter().filter(|row| row.row.group == RowGroup::Loop) {
         let figures = &row.figures;
         let Some(moved) = figures.moved else { continue };
         let mut cells = vec![

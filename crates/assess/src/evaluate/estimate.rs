@@ -1,13 +1,17 @@
 //! How far the virtual sensor is from the rod, and how reliable its standard deviation is.
 
-use super::plan::{Cell, Extent};
+use super::extent::{Extent, StudyName};
+use super::fault::SIGMA;
+use super::grade::Cell;
 use super::proportion::Proportion;
-use super::row::{SIGMA, Study};
+use super::random::random;
 use super::stand::{Stand, StandError};
+use super::study::Study;
 use super::truth::Truth;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use tertius_core::estimate::Estimate;
 use tertius_core::monitor::{Estimates, Monitor, MonitorDesign, Sink};
 use tertius_core::time::{Span, Timestamp};
@@ -97,14 +101,6 @@ pub struct EstimateResult {
     pub largest: f64,
     /// Valid estimates within two standard deviations of the rod.
     pub within: Proportion,
-}
-
-impl Extent {
-    /// Machines of each case; each has its fault on every cylinder.
-    pub(super) fn estimated(&self) -> u32 {
-        let asked = self.studies.contains(&Study::Estimate);
-        if asked { self.trials.div_ceil(u32::from(self.cylinders)) } else { 0 }
-    }
 }
 
 impl Stand<'_> {
@@ -204,5 +200,78 @@ impl EstimateResult {
             largest: sizes.last().copied().unwrap_or(0.0),
             within: Proportion::new(sum(|it| it.covered), valid),
         }
+    }
+}
+
+/// First stream of estimates, above those of healthy machines. All cases of a cell are tried on the same machines at the
+/// same times.
+const STREAMS: u64 = 1 << 63;
+const NUMBERS: u64 = 1 << 21;
+
+/// The study of the estimates.
+const ESTIMATE: StudyName = StudyName::slow("estimate", "The virtual third sensor");
+
+/// Estimates in every case of [`CASES`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimateStudy {
+    pub cells: Vec<Cell>,
+    /// Machines of each case in each cell; each has its fault on every cylinder.
+    pub machines: u32,
+    pub seed: u64,
+    /// Number of cylinders that are monitored.
+    pub cylinders: u8,
+}
+
+/// The machine of this number in a cell and one of [`CASES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EstimateJob {
+    pub cell: usize,
+    pub case: usize,
+    pub number: u32,
+}
+
+impl Study for EstimateStudy {
+    const NAMES: &'static [StudyName] = &[ESTIMATE];
+    type Job = EstimateJob;
+    type Taught = ();
+    type Product = (EstimateJob, Errors);
+    /// By cell and case, and by the number of the machine.
+    type Gathered = BTreeMap<(usize, usize), BTreeMap<u32, Errors>>;
+    type Figures = Vec<EstimateResult>;
+
+    /// An empty list of estimates stands in the result, too.
+    fn planned(seed: u64, extent: &Extent) -> Option<Self> {
+        let asked = extent.asks(ESTIMATE);
+        let machines = if asked { extent.trials.div_ceil(u32::from(extent.cylinders)) } else { 0 };
+        Some(Self { cells: extent.cells(), machines, seed, cylinders: extent.cylinders })
+    }
+
+    fn teach(&self, _: &Stand, _: usize) -> Result<(), StandError> {
+        Ok(())
+    }
+
+    fn jobs(&self) -> Vec<EstimateJob> {
+        let of_case =
+            |cell, case| (0..self.machines).map(move |number| EstimateJob { cell, case, number });
+        let of_cell = |cell| (0..CASES.len()).flat_map(move |case| of_case(cell, case));
+        (0..self.cells.len()).flat_map(of_cell).collect()
+    }
+
+    fn run(&self, stand: &Stand, _: &[()], job: EstimateJob) -> Result<Self::Product, StandError> {
+        let EstimateJob { cell, case, number } = job;
+        let mut rng = random(self.seed, STREAMS + cell as u64 * NUMBERS + u64::from(number));
+        Ok((job, stand.estimate(self.cells[cell], &CASES[case], &mut rng)?))
+    }
+
+    fn gather(&self, _: &Stand, gathered: &mut Self::Gathered, (job, errors): Self::Product) {
+        gathered.entry((job.cell, job.case)).or_default().insert(job.number, errors);
+    }
+
+    fn figures(&self, _: &Stand, _: &[()], gathered: Self::Gathered) -> Vec<EstimateResult> {
+        let result = |((cell, case), machines): ((usize, usize), BTreeMap<u32, Errors>)| {
+            let machines: Vec<Errors> = machines.into_values().collect();
+            EstimateResult::new(self.cells[cell], &CASES[case], &machines, self.cylinders)
+        };
+        gathered.into_iter().map(result).collect()
     }
 }

@@ -14,6 +14,14 @@ pub enum Grade {
     Coarse,
 }
 
+/// Transducers in one sea.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    pub grade: Grade,
+    /// Significant wave height, m, and peak period, s.
+    pub sea: [f64; 2],
+}
+
 /// Standard deviation of the noise before rounding, counts: half a count, as 5e-5 m on the E-type.
 const NOISE: f64 = 0.4608;
 

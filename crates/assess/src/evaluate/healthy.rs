@@ -1,10 +1,17 @@
 //! A machine with nothing wrong: every warning is false.
 
+use super::extent::{Extent, StudyName};
+use super::grade::Cell;
 use super::outcome::DETECTORS;
-use super::plan::Cell;
+use super::proportion::Proportion;
+use super::random::random;
+use super::rate::Rate;
 use super::stand::{Stand, StandError};
+use super::study::Study;
+use rand::RngExt;
+use serde::Serialize;
 use std::collections::BTreeMap;
-use tertius_core::alarm::{State, Warning};
+use tertius_core::alarm::{Detector, State, Warning};
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_machine::simulator::Options;
 
@@ -100,5 +107,114 @@ impl Sink for Healthy {
             self.beyond[i] += u64::from(magnitude > self.limits[i]);
             self.largest[i] = self.largest[i].max(magnitude);
         }
+    }
+}
+
+/// Figures of healthy machines of one cell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HealthyCell {
+    pub grade: &'static str,
+    pub sea: [f64; 2],
+    /// Hours of a machine that were judged.
+    pub hours: f64,
+    /// Warnings on cylinders on which none stood: what a person counts as one false alarm.
+    pub false_alarms: Rate,
+    pub detectors: BTreeMap<&'static str, Rate>,
+    /// Number of warnings by the name of the fault.
+    pub faults: BTreeMap<&'static str, u64>,
+    /// R1, R2 and R3 within δ_h, or within R3's bound.
+    pub within: [Proportion; 3],
+    /// Largest residuals, m.
+    pub largest: [f64; 3],
+}
+
+impl HealthyCell {
+    fn new(cell: Cell, healthy: &Healthy, (cylinders, sample_time): (u8, f64)) -> Self {
+        let hours = healthy.hours(cylinders, sample_time);
+        let within = |i: usize| {
+            let (judged, beyond) = (healthy.judged[i], healthy.beyond[i]);
+            Proportion::new(judged - beyond, judged)
+        };
+        let by_detector = Detector::ALL.into_iter().zip(healthy.raises);
+        Self {
+            grade: cell.grade.name(),
+            sea: cell.sea,
+            hours,
+            false_alarms: Rate::new(healthy.events, hours),
+            detectors: by_detector
+                .map(|(it, raises)| (it.name(), Rate::new(raises, hours)))
+                .collect(),
+            faults: healthy.faults.clone(),
+            within: std::array::from_fn(within),
+            largest: healthy.largest,
+        }
+    }
+}
+
+/// First stream of healthy machines, above every stream of a row.
+const STREAMS: u64 = 1 << 62;
+const NUMBERS: u64 = 1 << 21;
+
+/// The study of what is found by chance, in many hours.
+const HEALTHY: StudyName = StudyName::quick("healthy", "False alarms");
+
+/// Hours of healthy machines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HealthyStudy {
+    pub cells: Vec<Cell>,
+    /// Hours in each cell, rounded up to whole stretches.
+    pub hours: f64,
+    pub seed: u64,
+    /// Number of cylinders that are monitored.
+    pub cylinders: u8,
+}
+
+/// A stretch of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HealthyJob {
+    pub cell: usize,
+    pub number: u32,
+}
+
+impl Study for HealthyStudy {
+    const NAMES: &'static [StudyName] = &[HEALTHY];
+    type Job = HealthyJob;
+    type Taught = ();
+    /// The index of the cell, and what was seen of the machine.
+    type Product = (usize, Box<Healthy>);
+    type Gathered = BTreeMap<usize, Healthy>;
+    type Figures = Vec<HealthyCell>;
+
+    /// An empty list of hours stands in the result, too.
+    fn planned(seed: u64, extent: &Extent) -> Option<Self> {
+        let hours = if extent.asks(HEALTHY) { extent.hours } else { 0.0 };
+        Some(Self { cells: extent.cells(), hours, seed, cylinders: extent.cylinders })
+    }
+
+    fn teach(&self, _: &Stand, _: usize) -> Result<(), StandError> {
+        Ok(())
+    }
+
+    fn jobs(&self) -> Vec<HealthyJob> {
+        let stretches = (self.hours * 3600.0 / STRETCH).ceil() as u32;
+        let of_cell = |cell| (0..stretches).map(move |number| HealthyJob { cell, number });
+        (0..self.cells.len()).flat_map(of_cell).collect()
+    }
+
+    fn run(&self, stand: &Stand, _: &[()], job: HealthyJob) -> Result<Self::Product, StandError> {
+        let HealthyJob { cell, number } = job;
+        let stream = STREAMS + cell as u64 * NUMBERS + u64::from(number);
+        let seed = random(self.seed, stream).random();
+        Ok((cell, Box::new(stand.healthy(self.cells[cell], seed)?)))
+    }
+
+    fn gather(&self, _: &Stand, gathered: &mut Self::Gathered, (cell, more): Self::Product) {
+        gathered.entry(cell).or_default().add(&more);
+    }
+
+    fn figures(&self, stand: &Stand, _: &[()], gathered: Self::Gathered) -> Vec<HealthyCell> {
+        let scale = (self.cylinders, stand.settings.machine.sample_time);
+        let judged = gathered.iter().filter(|(_, healthy)| healthy.judged[0] > 0);
+        judged.map(|(cell, healthy)| HealthyCell::new(self.cells[*cell], healthy, scale)).collect()
     }
 }

@@ -1,9 +1,11 @@
 //! What the sequential detectors learn of a grade of transducers, taught as an engineer would:
 //! calibrated on one healthy run, with their level from another.
 
+use super::extent::Lessons;
 use super::grade::Grade;
-use super::process::ProcessMachine;
+use super::machines::ProcessMachine;
 use super::stand::{Stand, StandError};
+use crate::flaws::listed;
 use tertius_config::design::{self, Flaw};
 use tertius_config::settings::{Fde, Settings};
 use tertius_core::monitor::{Monitor, MonitorDesign};
@@ -16,15 +18,6 @@ use tertius_learn::survey::{Origin, Survey, Surveyor, Timeline, Window};
 use tertius_learn::tune::course::{SIGMA, TuningCourse, Untuned};
 use tertius_learn::tune::{Thresholds, Tuning};
 use tertius_machine::simulator::{EPOCH, Options};
-
-/// Hours to learn from in each sea.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lessons {
-    /// Hours for the calibration, half of them to fit and half to validate.
-    pub calibration: f64,
-    /// Hours for the level.
-    pub level: f64,
-}
 
 /// What was learnt.
 #[derive(Clone, Debug)]
@@ -104,14 +97,15 @@ impl Run<'_> {
 }
 
 fn flawed(flaws: &[Flaw]) -> StandError {
-    let told: Vec<String> =
-        flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect();
-    untaught(told.join("; "))
+    untaught(listed(flaws))
 }
 
 fn untaught(error: impl std::fmt::Display) -> StandError {
     StandError::Untaught(error.to_string())
 }
+
+/// Hours of a commissioning: 25 minutes, and another recording for the level.
+pub(super) const COMMISSIONING: Lessons = Lessons { calibration: 1500.0 / 3600.0, level: 0.5 };
 
 impl Stand<'_> {
     /// Calibrates the detectors to the healthy machine in `seas` and finds their level; detectors

@@ -2,14 +2,20 @@
 //! faults, on the simulated machine.
 //!
 //! ```text
-//! Plan ─ jobs ─→ Stand: machine, faults, monitor ─ outcomes ─→ Gathering ─ figures ─→ Evaluation
+//! Extent ─→ Plan ─ teach ─→ Campaign: one TaughtStudy a study
+//!                                      │ jobs, by Workers
+//!                                      ↓
+//!               Stand: machine, faults, monitor ─ products ─→ gathered ─ figures ─→ Evaluation
 //! ```
 //!
-//! A [`Plan`] lists the rows of faults and the fault-free hours. Each of its jobs is one simulated
-//! machine, and everything random in it comes from the plan's seed and the job's number. Jobs can
-//! therefore run in any order and on any number of cores: the [`Gathering`] puts the results in
+//! What is tried is a [`Study`] each: its machines and faults, what its monitors learn beforehand, one trial, and how the
+//! results become figures. The file `studies.rs` lists them. A [`Plan`] has those that are asked for, and a [`Campaign`]
+//! carries it out. Each job is one simulated machine, and everything random in it comes from the plan's seed and the
+//! job's number. Jobs can therefore run in any order and on any number of cores: a [`TaughtStudy`] puts the results in
 //! their places, and the same seed gives the same [`Evaluation`].
 //!
+//! [`rows`] are faults of every kind and size, [`HealthyStudy`] has hours without a fault, and [`EstimateStudy`] tries the
+//! virtual sensor.
 //! The sequential detectors are compared with the thesis's thresholds in a [`contest`]; they learn
 //! the machine first ([`Stand::learn`]).
 //!
@@ -23,11 +29,11 @@
 //! controller also reads the fault: the second recommendation of the thesis's chapter 6.
 
 pub mod accommodate;
-mod claim;
 pub mod contest;
 mod estimate;
+mod extent;
+mod fault;
 mod figures;
-mod gathering;
 mod grade;
 pub mod handover;
 mod healthy;
@@ -35,32 +41,36 @@ pub mod hexapod;
 mod interval;
 pub mod last;
 mod learning;
+mod machines;
 mod outcome;
-mod plan;
 pub mod process;
 mod proportion;
+mod random;
 mod rate;
-mod row;
+pub mod rows;
 pub mod side;
 mod stand;
-mod trial;
+mod studies;
+mod study;
+mod tried;
 mod truth;
 pub mod weights;
+mod workers;
 
-pub use claim::{Claim, Judged};
-pub use estimate::{CASES, Case, Errors, EstimateResult};
-pub use figures::{
-    Delay, DetectorFigures, Figures, IncidentFigures, Moved, SuspectFigures, WITHIN,
-};
-pub use gathering::{Evaluation, Gathering, HealthyCell, RowResult};
-pub use grade::Grade;
-pub use healthy::Healthy;
+pub use estimate::{CASES, Case, Errors, EstimateResult, EstimateStudy};
+pub use extent::{Extent, Lessons, PlanError, StudyName};
+pub use fault::SIGMA;
+pub use figures::{Delay, DetectorFigures, SuspectFigures, WITHIN};
+pub use grade::{Cell, Grade};
+pub use healthy::{Healthy, HealthyCell, HealthyStudy};
 pub use interval::{CONFIDENCE, clopper_pearson, poisson_upper};
-pub use learning::{Learnt, Lessons};
+pub use learning::Learnt;
+pub use machines::ProcessMachine;
 pub use outcome::{Blame, DETECTORS, First, IncidentOutcome, Outcome};
-pub use plan::{Cell, Extent, Job, Plan, PlanError, Product};
 pub use proportion::Proportion;
 pub use rate::Rate;
-pub use row::{Row, SIGMA, Study, rows};
 pub use stand::{Stand, StandError};
-pub use trial::Try;
+pub use studies::{Campaign, Evaluation, Plan, study_names};
+pub use study::{Study, TaughtStudy};
+pub use tried::Try;
+pub use workers::{Serial, Workers};

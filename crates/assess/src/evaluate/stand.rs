@@ -1,9 +1,6 @@
 //! The test stand: the simulated machine and the monitor that watches it.
 
-use super::grade::Grade;
-use super::hexapod::DeckWitness;
-use super::learning::Learnt;
-use super::plan::Cell;
+use super::grade::{Cell, Grade};
 use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
 use tertius_dbc::Database;
@@ -21,6 +18,10 @@ pub enum StandError {
     Unread(String),
     #[error("the simulated machine does not teach all that is tried: {0}")]
     Untaught(String),
+    #[error("{0}")]
+    Refused(String),
+    #[error("{done} of {of} trials have been done")]
+    Unfinished { done: usize, of: usize },
 }
 
 /// A test stand, on which many trials can run at once.
@@ -29,20 +30,6 @@ pub struct Stand<'a> {
     pub settings: &'a Settings,
     pub database: &'a Database,
     pub design: &'a MonitorDesign,
-    /// Monitors with sequential detectors, for the grades that were learnt.
-    pub monitors: Vec<Learnt>,
-    /// Monitors with the sets of weights that are compared.
-    pub weighed: Vec<MonitorDesign>,
-    /// Monitors with the process detectors that were taught.
-    pub taught: Vec<MonitorDesign>,
-    /// Monitors whose frames a controller hears, for the grades that were learnt.
-    pub handing: Vec<(Grade, MonitorDesign)>,
-    /// Monitors with the sequential detectors and those of the process, for the drifts in the loop.
-    pub sided: Vec<MonitorDesign>,
-    /// The configuration without C2, and its monitor.
-    pub single: Option<(Settings, MonitorDesign)>,
-    /// Monitors of machines with a sensor on their deck, in the order of the study's grades.
-    pub decked: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Tables of each grade without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -61,29 +48,7 @@ impl<'a> Stand<'a> {
         let mut still = tables.clone();
         still.transducer.fluctuation_probability = 0.0;
         let (tables, steady) = (graded(tables), graded(&still));
-        Self {
-            settings,
-            database,
-            design,
-            monitors: Vec::new(),
-            weighed: Vec::new(),
-            taught: Vec::new(),
-            handing: Vec::new(),
-            sided: Vec::new(),
-            single: None,
-            decked: Vec::new(),
-            tables,
-            steady,
-        }
-    }
-
-    /// The monitor that has learnt `grade`.
-    ///
-    /// # Errors
-    /// Nothing was learnt of it.
-    pub fn learnt(&self, grade: Grade) -> Result<&Learnt, StandError> {
-        let learnt = self.monitors.iter().find(|learnt| learnt.grade == grade);
-        learnt.ok_or_else(|| StandError::Untaught(format!("{} was not learnt", grade.name())))
+        Self { settings, database, design, tables, steady }
     }
 
     /// The machine of `cell`.
@@ -126,24 +91,11 @@ impl<'a> Stand<'a> {
         self.simulate_changed(self.of_grade(tables, grade).clone(), lag, changed, options)
     }
 
-    /// The machine with transducers of `grade` that do not fluctuate, and with a sensor on its deck of this `witness`.
-    pub(super) fn decked(
-        &self,
-        grade: Grade,
-        witness: DeckWitness,
-        changed: Option<(Change, f64)>,
-        options: &Options,
-    ) -> Result<Simulator, StandError> {
-        let mut tables = self.of_grade(&self.steady, grade).clone();
-        if let DeckWitness::Sensor(accuracy) = witness {
-            let top = &mut tables.sensors.top;
-            (top.noise, top.wander) = (accuracy, accuracy);
-            top.wander_time = if top.wander_time > 0.0 { top.wander_time } else { 60.0 };
-        }
-        self.simulate_changed(tables, None, changed, options)
-    }
-
-    fn simulate_changed(
+    /// The machine of `tables`, with spools of another time constant, or another load and friction.
+    ///
+    /// # Errors
+    /// See [`Self::simulator`].
+    pub(super) fn simulate_changed(
         &self,
         mut tables: Tables,
         lag: Option<f64>,
@@ -161,6 +113,16 @@ impl<'a> Stand<'a> {
     /// The tables of the machine with transducers of `grade`.
     pub(super) fn tables_of(&self, grade: Grade) -> &Tables {
         self.of_grade(&self.tables, grade)
+    }
+
+    /// The same with transducers that do not fluctuate.
+    pub(super) fn steady_tables_of(&self, grade: Grade) -> &Tables {
+        self.of_grade(&self.steady, grade)
+    }
+
+    /// Judged time of which only the largest value counts, s, so that a longer excursion is one warning.
+    pub(super) fn block(&self) -> f64 {
+        f64::from(self.settings.warning_cycles()) * self.settings.machine.sample_time
     }
 
     fn of_grade<'b>(&self, tables: &'b [(Grade, Tables)], grade: Grade) -> &'b Tables {

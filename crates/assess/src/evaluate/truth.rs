@@ -4,6 +4,9 @@ use tertius_core::time::{Span, Timestamp};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::Simulator;
 
+/// An estimate is wrong when it is off by more of its own standard deviations than this.
+pub(super) const WRONG: f64 = 3.0;
+
 /// True lengths of the newest two cycles: a cycle that lacks something is reported during the next.
 #[derive(Clone, Debug)]
 pub(super) struct Truth {

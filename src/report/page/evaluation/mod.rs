@@ -7,13 +7,14 @@ use super::figure::{Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::{Page, palette};
 use crate::config::Fingerprints;
-use crate::evaluate::{Delay, Evaluation, Grade, Plan, RowResult, SIGMA, Study, WITHIN};
+use crate::evaluate::rows::{RowGroup, RowResult};
+use crate::evaluate::{Delay, Evaluation, Grade, Plan, SIGMA, WITHIN};
 use crate::report::evaluation;
 use plotters::style::RGBColor;
 
 /// A kind of fault whose size is an axis.
 struct Sized {
-    study: Study,
+    group: RowGroup,
     label: &'static str,
     /// Unit of the axis, in SI units.
     unit: f64,
@@ -22,10 +23,10 @@ struct Sized {
 }
 
 const SIZED: [Sized; 4] = [
-    Sized { study: Study::Step, label: "step (mm)", unit: 1e-3, within: 0 },
-    Sized { study: Study::Noise, label: "noise (σ)", unit: SIGMA, within: 1 },
-    Sized { study: Study::Drift, label: "drift (mm/s)", unit: 1e-3, within: 2 },
-    Sized { study: Study::Scale, label: "scale (%)", unit: 1e-2, within: 2 },
+    Sized { group: RowGroup::Step, label: "step (mm)", unit: 1e-3, within: 0 },
+    Sized { group: RowGroup::Noise, label: "noise (σ)", unit: SIGMA, within: 1 },
+    Sized { group: RowGroup::Drift, label: "drift (mm/s)", unit: 1e-3, within: 2 },
+    Sized { group: RowGroup::Scale, label: "scale (%)", unit: 1e-2, within: 2 },
 ];
 
 /// Colours of the seas, in order.
@@ -49,7 +50,11 @@ pub fn page(plan: &Plan, result: &Evaluation, with: &Fingerprints) -> String {
     let delays = SIZED.iter().filter_map(|sized| delays(plan, result, sized));
     shown(&mut page, "How long it takes", delays.collect());
     shown(&mut page, "The loop", moved(result).into_iter().collect());
-    shown(&mut page, "Delay against false alarms", contest::figures(&result.contest));
+    shown(
+        &mut page,
+        "Delay against false alarms",
+        contest::figures(result.contest.as_deref().unwrap_or_default()),
+    );
     page.heading("Tables");
     for section in evaluation::sections(plan, result) {
         page.section(&section);
@@ -71,8 +76,8 @@ fn sizes<'a>(
     grade: Grade,
     sea: [f64; 2],
 ) -> impl Iterator<Item = (f64, &'a RowResult)> {
-    let rows = result.rows.iter().filter(move |it| {
-        it.row.study == sized.study && it.row.cell.grade == grade && it.row.cell.sea == sea
+    let rows = result.rows.iter().flatten().filter(move |it| {
+        it.row.group == sized.group && it.row.cell.grade == grade && it.row.cell.sea == sea
     });
     rows.filter_map(|row| Some((row.size? / sized.unit, row)))
 }
@@ -110,7 +115,7 @@ fn probability(
     let y = Axis::linear("found (%)", -3.0, 103.0).with_ticks(6);
     let title = format!(
         "{}, {} transducers\nFound within {} s by any detector; the colours are seas.",
-        capitalised(sized.study.name()),
+        capitalised(sized.group.name()),
         grade.name(),
         WITHIN[sized.within]
     );
@@ -143,16 +148,17 @@ fn delays(plan: &Plan, result: &Evaluation, sized: &Sized) -> Option<(Figure, St
     let y = Axis::log("delay (s)", 0.7 * fastest, 1.5 * slowest).with_ticks(5);
     let title = format!(
         "{}\nMedian; the thin lines are 5 % and 95 %. A line ends where fewer are found.",
-        capitalised(sized.study.name())
+        capitalised(sized.group.name())
     );
     Some((Figure::single(HALF, x, Panel::new(180, y, curves)), title))
 }
 
 /// Displacements by each fault: of C1's reading beside the loop, and of the rod in it.
 fn moved(result: &Evaluation) -> Option<(Figure, String)> {
-    let open = result.rows.iter().filter(|it| it.row.study == Study::Loop && !it.in_loop);
+    let rows = || result.rows.iter().flatten();
+    let open = rows().filter(|it| it.row.group == RowGroup::Loop && !it.in_loop);
     let points = open.filter_map(|open| {
-        let closed = result.rows.iter().find(|it| it.in_loop && it.label == open.label)?;
+        let closed = rows().find(|it| it.in_loop && it.label == open.label)?;
         let (reading, rod) = (open.figures.moved?.reading_median, closed.figures.moved?.rod_median);
         (reading > 0.0 && rod > 0.0).then_some((1e3 * reading, 1e3 * rod))
     });

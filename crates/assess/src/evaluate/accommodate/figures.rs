@@ -1,12 +1,10 @@
 //! Figures of accommodation.
 
-use super::{
-    AccommodateCase, AccommodateJob, AccommodateOutcome, AccommodateProduct, AccommodateStudy,
-};
+use super::cases::AccommodateCase;
+use super::trial::{AccommodateOutcome, AccommodateOutcomes};
 use crate::evaluate::grade::Grade;
 use crate::evaluate::proportion::Proportion;
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// The result of the study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -32,40 +30,26 @@ pub struct AccommodateFigures {
     pub wrong_for: [f64; 2],
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct AccommodateGathering<'a> {
-    study: &'a AccommodateStudy,
-    sample_time: f64,
-    machines: BTreeMap<AccommodateJob, AccommodateProduct>,
-}
-
-impl<'a> AccommodateGathering<'a> {
-    /// A collection for `study`; `sample_time` is the machine's, s.
-    pub const fn new(study: &'a AccommodateStudy, sample_time: f64) -> Self {
-        Self { study, sample_time, machines: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: AccommodateJob, product: AccommodateProduct) {
-        self.machines.insert(job, product);
-    }
-
-    /// The figures of every case.
-    pub fn finish(&self) -> AccommodateResult {
-        let mut cases = Vec::new();
-        for (index, grade) in Grade::ALL.into_iter().enumerate() {
-            let machines = || self.machines.iter().filter(move |(job, _)| job.grade == index);
-            for (place, case) in self.study.cases.iter().enumerate() {
+impl AccommodateResult {
+    /// The figures of every one of `cases`, by what became of the machines of each of `grades`; `sample_time` is the
+    /// machine's, s.
+    pub(super) fn new(
+        cases: &[AccommodateCase],
+        grades: &[(Grade, Vec<AccommodateOutcomes>)],
+        sample_time: f64,
+    ) -> Self {
+        let mut figures = Vec::new();
+        for (grade, machines) in grades {
+            for (place, case) in cases.iter().enumerate() {
                 for with in [0, 1] {
-                    let outcomes = machines().flat_map(|(_, cases)| &cases[place]);
+                    let outcomes = machines.iter().flat_map(|cases| &cases[place]);
                     let outcomes: Vec<_> = outcomes.map(|both| &both[with]).collect();
-                    let of = (grade, case, with == 1);
-                    cases.push(AccommodateFigures::of(of, &outcomes, self.sample_time));
+                    let of = (*grade, case, with == 1);
+                    figures.push(AccommodateFigures::of(of, &outcomes, sample_time));
                 }
             }
         }
-        AccommodateResult { cases }
+        Self { cases: figures }
     }
 }
 

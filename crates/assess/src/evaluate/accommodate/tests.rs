@@ -1,8 +1,11 @@
 //! The study on one machine of each grade, and that its result does not depend on the order of its jobs.
 
 use super::*;
+use crate::evaluate::study::TaughtStudy;
+use crate::evaluate::workers::Serial;
 use tertius_config::design::judging;
 use tertius_dbc::{Database, text};
+use tertius_machine::inject::Shape;
 use tertius_machine::simulator::Tables;
 
 /// The figures of `cases`, in the order of the jobs and in the reverse.
@@ -21,17 +24,13 @@ fn figures(cases: &[AccommodateCase]) -> Vec<AccommodateFigures> {
         seed: 3,
         cylinders: 6,
     };
-    let jobs = study.jobs();
-    assert_eq!(jobs.len(), 4, "two machines of each grade");
-    let gathered = |jobs: &mut dyn Iterator<Item = &AccommodateJob>| {
-        let mut gathering = AccommodateGathering::new(&study, settings.machine.sample_time);
-        for job in jobs {
-            gathering.take(*job, study.run(&stand, *job).expect("it can be simulated"));
-        }
-        gathering.finish().cases
+    assert_eq!(study.jobs().len(), 4, "two machines of each grade");
+    let gathered = |workers: Serial| {
+        let course = TaughtStudy::new(&study, &stand, &workers).expect("it learns nothing");
+        course.figures(&workers).expect("it can be simulated").cases
     };
-    let forwards = gathered(&mut jobs.iter());
-    assert_eq!(forwards, gathered(&mut jobs.iter().rev()), "in any order");
+    let forwards = gathered(Serial::default());
+    assert_eq!(forwards, gathered(Serial { reversed: true }), "in any order");
     forwards
 }
 

@@ -1,15 +1,15 @@
 //! One machine, watched with accommodation and without.
 
-use super::{AccommodateCase, AccommodateProduct};
+use super::cases::AccommodateCase;
 use crate::evaluate::grade::Grade;
-use crate::evaluate::last::WRONG;
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::signed;
-use crate::evaluate::truth::Truth;
+use crate::evaluate::tried::signed;
+use crate::evaluate::truth::{Truth, WRONG};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use tertius_config::design;
 use tertius_core::estimate::Estimate;
-use tertius_core::monitor::{Monitor, Sink};
+use tertius_core::monitor::{Estimates, Monitor, MonitorDesign, Sink};
 use tertius_core::time::{Span, Timestamp};
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius_machine::simulator::{Options, Simulator};
@@ -31,6 +31,9 @@ const JITTER: f64 = 1.0;
 
 /// How long the estimate is watched from the loss on, s.
 const WATCH: f64 = 60.0;
+
+/// `estimate.accommodate_after` where the configuration has none, s.
+const AFTER: f64 = 60.0;
 
 /// What is drawn of a cylinder. Times count from the end of [`LEAD`], s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +83,9 @@ pub struct AccommodateOutcome {
     /// Cycles in which the estimate was valid and off by more than three of its standard deviations.
     pub wrong: u64,
 }
+
+/// What became of a machine: by case, of each cylinder with a fault, without accommodation and with it.
+pub type AccommodateOutcomes = Vec<Vec<[AccommodateOutcome; 2]>>;
 
 /// Compares the estimates with the truth.
 #[derive(Clone)]
@@ -134,6 +140,19 @@ impl Running {
 }
 
 impl Stand<'_> {
+    /// The monitor without accommodation, and with it.
+    fn accommodating(&self) -> [MonitorDesign; 2] {
+        let after = self.settings.estimate.accommodate_after.unwrap_or(AFTER);
+        [None, Some(design::accommodation(self.settings, after))].map(|accommodation| {
+            let mut design =
+                MonitorDesign { estimates: Estimates::Computed, ..self.design.clone() };
+            for cylinder in &mut design.cylinders {
+                cylinder.estimate.accommodation = accommodation;
+            }
+            design
+        })
+    }
+
     /// Plays the machine of `drawn` with each of `cases`: of each cylinder with faults, what became of its estimate
     /// without accommodation and with it.
     pub(super) fn accommodated(
@@ -141,7 +160,7 @@ impl Stand<'_> {
         grade: Grade,
         cases: &[AccommodateCase],
         drawn: &Drawn,
-    ) -> Result<AccommodateProduct, StandError> {
+    ) -> Result<AccommodateOutcomes, StandError> {
         let options = Options { seed: drawn.seed, sea: Some(drawn.sea), ..Options::default() };
         let simulator = self.graded(grade, &options)?;
         let monitors = self.accommodating().map(|design| {

@@ -3,20 +3,31 @@
 use super::hours::Hours;
 use super::ladder::{LEVELS, Rival};
 use super::lorden;
-use super::row::Course;
+use super::row::{ContestRow, Course};
 use super::trial::Entry;
+use crate::evaluate::fault::{fault_kind, fault_name, fault_size};
 use crate::evaluate::figures::{Delay, DetectorFigures, SuspectFigures};
 use crate::evaluate::proportion::Proportion;
-use crate::evaluate::row::Row;
 use serde::Serialize;
 use tertius_learn::extremes::per_second;
 use tertius_machine::inject::Wanted;
 
+/// Result for one grade of transducers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GradeResult {
+    pub grade: &'static str,
+    /// Level h of the sequential detector, nats.
+    pub level: f64,
+    /// What the level was made from: the largest evidence, nats, and the time of cylinders, h;
+    /// `None` where the level is configured.
+    pub level_from: Option<[f64; 2]>,
+    pub hours: Hours,
+    pub rows: Vec<RowFigures>,
+}
+
 /// A row of the contest with its figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RowFigures {
-    #[serde(skip)]
-    pub row: Row,
     pub label: String,
     pub fault: &'static str,
     pub size: Option<f64>,
@@ -58,20 +69,20 @@ pub struct Point {
 impl RowFigures {
     /// The figures of `entries` of `row`.
     pub fn of(
-        row: &Row,
-        course: Course,
+        row: &ContestRow,
         entries: &[Entry],
         hours: &Hours,
         (cylinders, sample_time): (u8, f64),
     ) -> Self {
         let fair: Vec<&Entry> = entries.iter().filter(|entry| !entry.spoilt).collect();
-        let at_stop = course == Course::Stop;
+        let at_stop = row.course == Course::Stop;
         let found = Rival::ALL.map(|rival| {
             DetectorFigures::of(fair.iter().map(|entry| entry.delays[rival as usize]).collect())
         });
         let sequential = |entry: &&&Entry| entry.delays[Rival::Sequential as usize].is_some();
         let seen: Vec<&Entry> = fair.iter().filter(sequential).copied().collect();
-        let kind = row.kind().map(|kind| Proportion::counting(&seen, |it| it.kind == Some(kind)));
+        let kind = fault_kind(row.wanted)
+            .map(|kind| Proportion::counting(&seen, |it| it.kind == Some(kind)));
         let bound = bound(row, hours, cylinders, sample_time).filter(|_| !at_stop);
         let median = found[Rival::Sequential as usize].delay.median;
         let cycles = |delay: f64| (delay / sample_time).ceil().max(1.0);
@@ -85,10 +96,9 @@ impl RowFigures {
             Rival::ALL.map(curve)
         };
         Self {
-            row: *row,
-            label: label(row, at_stop),
-            fault: row.fault(),
-            size: row.size(),
+            label: row.label(),
+            fault: fault_name(row.wanted),
+            size: fault_size(row.wanted),
             at_stop,
             faults: fair.len() as u64,
             spoilt: (entries.len() - fair.len()) as u64,
@@ -102,13 +112,8 @@ impl RowFigures {
     }
 }
 
-fn label(row: &Row, at_stop: bool) -> String {
-    let label = row.label();
-    if at_stop { format!("{label}, then the stop") } else { label }
-}
-
 /// Lorden's bound, samples.
-fn bound(row: &Row, hours: &Hours, cylinders: u8, sample_time: f64) -> Option<f64> {
+fn bound(row: &ContestRow, hours: &Hours, cylinders: u8, sample_time: f64) -> Option<f64> {
     let Some(Wanted::Shape(shape)) = row.wanted else { return None };
     if hours.deviation <= 0.0 {
         return None;

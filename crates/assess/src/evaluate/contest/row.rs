@@ -1,8 +1,7 @@
 //! Faults on which the detectors are compared.
 
+use crate::evaluate::fault::{SIGMA, fault_label};
 use crate::evaluate::grade::Grade;
-use crate::evaluate::row::{SIGMA, Study};
-use crate::evaluate::{Cell, Row};
 use tertius_machine::inject::{Shape, Wanted};
 
 /// How a fault is tried.
@@ -34,31 +33,41 @@ const CREEPS: [f64; 2] = [2.5e-5, 1e-4];
 
 const WATCH: f64 = 10.0;
 
-/// A row: a fault, and how it is tried.
-pub type TriedRow = (Row, Course);
+/// A fault, and how it is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContestRow {
+    pub grade: Grade,
+    pub course: Course,
+    /// The fault, its size positive; `None`: no fault.
+    pub wanted: Option<Wanted>,
+    /// How long it is watched, s.
+    pub watch: f64,
+}
 
-/// The rows for transducers of `grade`, in the seas of the plan by turns.
-pub fn rows(grade: Grade, seas: &[[f64; 2]]) -> Vec<TriedRow> {
-    let open = Row {
-        study: Study::Contest,
-        cell: Cell { grade, sea: seas.first().copied().unwrap_or_default() },
-        in_loop: true,
-        wanted: None,
-        watch: WATCH,
-        claim: None,
-        stream: 0,
-    };
-    let of = |shape, watch| Row { wanted: Some(Wanted::Shape(shape)), watch, ..open };
-    let mut rows: Vec<TriedRow> = Vec::new();
-    let mut engaged = |row| rows.push((row, Course::Engaged));
-    STEPS.into_iter().for_each(|size| engaged(of(Shape::Step { size }, WATCH)));
-    for sigmas in NOISES {
-        engaged(of(Shape::Noise { size: sigmas * SIGMA }, WATCH));
+impl ContestRow {
+    /// The fault in words.
+    pub fn label(&self) -> String {
+        let label = fault_label(self.wanted);
+        match self.course {
+            Course::Engaged => label,
+            Course::Stop => format!("{label}, then the stop"),
+        }
     }
-    DRIFTS.into_iter().for_each(|(rate, watch)| engaged(of(Shape::Drift { rate }, watch)));
-    GAINS.into_iter().for_each(|gain| engaged(of(Shape::Scale { gain }, WATCH)));
-    engaged(of(Shape::Freeze, WATCH));
-    engaged(open);
-    rows.extend(CREEPS.map(|rate| (of(Shape::Drift { rate }, 0.0), Course::Stop)));
+}
+
+/// The rows for transducers of `grade`.
+pub(super) fn rows(grade: Grade) -> Vec<ContestRow> {
+    let engaged = |wanted, watch| ContestRow { grade, course: Course::Engaged, wanted, watch };
+    let of = |shape, watch| engaged(Some(Wanted::Shape(shape)), watch);
+    let mut rows: Vec<ContestRow> = Vec::new();
+    rows.extend(STEPS.map(|size| of(Shape::Step { size }, WATCH)));
+    rows.extend(NOISES.map(|sigmas| of(Shape::Noise { size: sigmas * SIGMA }, WATCH)));
+    rows.extend(DRIFTS.map(|(rate, watch)| of(Shape::Drift { rate }, watch)));
+    rows.extend(GAINS.map(|gain| of(Shape::Scale { gain }, WATCH)));
+    rows.push(of(Shape::Freeze, WATCH));
+    rows.push(engaged(None, WATCH));
+    rows.extend(
+        CREEPS.map(|rate| ContestRow { course: Course::Stop, ..of(Shape::Drift { rate }, 0.0) }),
+    );
     rows
 }

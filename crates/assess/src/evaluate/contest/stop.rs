@@ -4,7 +4,7 @@ use super::ladder::Ladder;
 use super::trial::{Entry, Heard};
 use crate::evaluate::learning::Learnt;
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::Try;
+use crate::evaluate::tried::Try;
 use tertius_core::alarm::Warning;
 use tertius_core::monitor::{Monitor, Sink};
 use tertius_core::time::Span;

@@ -4,7 +4,7 @@ use super::ladder::{Ladder, Rival};
 use crate::evaluate::learning::Learnt;
 use crate::evaluate::outcome::{Blame, Outcome};
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::{TriedFault, Try};
+use crate::evaluate::tried::{TriedFault, Try};
 use tertius_core::alarm::{Detector, State, Warning};
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::sequential::{Input, Sequential};

@@ -1,6 +1,6 @@
 //! The faults that are tried, and the policies that are compared.
 
-use crate::evaluate::row::SIGMA;
+use crate::evaluate::fault::SIGMA;
 use serde::Serialize;
 use tertius_machine::controller::Measurement;
 use tertius_machine::inject::Shape;

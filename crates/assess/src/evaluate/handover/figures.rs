@@ -2,7 +2,7 @@
 
 use super::cases::{HandoverCase, Policy};
 use super::trial::{HandoverOutcome, SENSORS, Way};
-use super::{HandoverJob, HandoverStudy};
+use crate::evaluate::figures::quantiles;
 use crate::evaluate::grade::Grade;
 use crate::evaluate::proportion::Proportion;
 use serde::Serialize;
@@ -67,43 +67,22 @@ pub struct WrongFigures {
     pub by: BTreeMap<&'static str, u64>,
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct HandoverGathering<'a> {
-    study: &'a HandoverStudy,
-    machines: BTreeMap<(Grade, u32), Vec<HandoverOutcome>>,
-}
-
-impl<'a> HandoverGathering<'a> {
-    pub const fn new(study: &'a HandoverStudy) -> Self {
-        Self { study, machines: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: HandoverJob, outcomes: Vec<HandoverOutcome>) {
-        self.machines.insert((job.grade, job.number), outcomes);
-    }
-
-    /// The figures of every fault on every grade.
-    pub fn finish(&self) -> HandoverResult {
-        let of_grade = |grade: Grade| {
-            let own = self.machines.iter().filter(move |((of, _), _)| *of == grade);
-            own.flat_map(|(_, outcomes)| outcomes).copied().collect::<Vec<_>>()
-        };
-        let cases = &self.study.cases;
-        let mut result = HandoverResult::default();
-        for grade in &self.study.grades {
-            let outcomes = of_grade(*grade);
-            let tried = (0..SENSORS.len())
-                .flat_map(|which| (0..cases.len()).map(move |case| (which, case)));
-            result.faults.extend(tried.filter_map(|(which, case)| {
-                let is_it = |it: &&HandoverOutcome| (it.which, it.case) == (which, case);
-                let own: Vec<_> = outcomes.iter().filter(is_it).copied().collect();
-                (!own.is_empty()).then(|| HandoverFigures::of(*grade, which, &cases[case], &own))
-            }));
-            result.wrong.extend(WrongFigures::of(*grade, cases, &outcomes));
-        }
-        result
+impl HandoverResult {
+    /// Adds the figures of every fault on transducers of `grade`.
+    pub(super) fn add(
+        &mut self,
+        grade: Grade,
+        cases: &[HandoverCase],
+        outcomes: &[HandoverOutcome],
+    ) {
+        let tried =
+            (0..SENSORS.len()).flat_map(|which| (0..cases.len()).map(move |case| (which, case)));
+        self.faults.extend(tried.filter_map(|(which, case)| {
+            let is_it = |it: &&HandoverOutcome| (it.which, it.case) == (which, case);
+            let own: Vec<_> = outcomes.iter().filter(is_it).copied().collect();
+            (!own.is_empty()).then(|| HandoverFigures::of(grade, which, &cases[case], &own))
+        }));
+        self.wrong.extend(WrongFigures::of(grade, cases, outcomes));
     }
 }
 
@@ -175,11 +154,4 @@ impl WrongFigures {
         };
         ["healthy", SENSORS[0], SENSORS[1]].map(of).into()
     }
-}
-
-/// Those parts of `values`; `None` where there are none.
-fn quantiles(mut values: Vec<f64>, parts: [f64; 2]) -> Option<[f64; 2]> {
-    values.sort_unstable_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    Some(parts.map(|part| values[((part * values.len() as f64) as usize).min(last)]))
 }

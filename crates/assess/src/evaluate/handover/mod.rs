@@ -20,23 +20,17 @@ mod tests;
 mod trial;
 
 pub use cases::{CASES, HandoverCase, Policy};
-pub use figures::{
-    HandoverFigures, HandoverGathering, HandoverResult, IN_TIME, PolicyFigures, WrongFigures,
-};
-pub use trial::{HandoverOutcome, SENSORS, Way};
+pub use figures::{HandoverFigures, HandoverResult, IN_TIME, PolicyFigures, WrongFigures};
+pub use trial::{HandoverOutcome, LEAD, SENSORS, Way};
 
+use super::extent::{Extent, Lessons, StudyName};
 use super::grade::Grade;
-use super::learning::Lessons;
+use super::random::random;
 use super::stand::{Stand, StandError};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use super::study::Study;
+use rand::RngExt;
+use std::collections::BTreeMap;
 use tertius_core::monitor::MonitorDesign;
-
-/// Time for which a machine is healthy before its faults, s.
-pub const LEAD: f64 = 330.0;
-
-/// Time within which the faults begin, s.
-const SPREAD: f64 = 8.0;
 
 /// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 9 << 40;
@@ -44,6 +38,12 @@ const NUMBERS: u64 = 1 << 20;
 
 /// The most hours in each sea that are learnt from.
 const MOST: Lessons = Lessons { calibration: 0.25, level: 0.25 };
+
+/// The study of the hand-over.
+const HANDOVER: StudyName = StudyName::slow(
+    "handover",
+    "A machine whose controller hears who is blamed: code blacks with and without",
+);
 
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,61 +59,81 @@ pub struct HandoverStudy {
 }
 
 /// A machine of a grade.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct HandoverJob {
-    pub grade: Grade,
+    /// Index of the study's grade.
+    pub grade: usize,
     pub number: u32,
 }
 
-impl HandoverStudy {
-    /// The study of every grade; no more than `lessons` is learnt from.
-    pub fn new(seed: u64, seas: Vec<[f64; 2]>, trials: u32, lessons: Lessons) -> Self {
-        let lessons = Lessons {
-            calibration: lessons.calibration.min(MOST.calibration),
-            level: lessons.level.min(MOST.level),
-        };
-        let (grades, cases) = (Grade::ALL.to_vec(), CASES.to_vec());
-        Self { grades, seas, trials, cases, lessons, seed }
+impl Study for HandoverStudy {
+    const NAMES: &'static [StudyName] = &[HANDOVER];
+    type Job = HandoverJob;
+    /// The monitor of a grade, which sends estimates: the controller reads its frames.
+    type Taught = MonitorDesign;
+    type Product = (HandoverJob, Vec<HandoverOutcome>);
+    type Gathered = BTreeMap<HandoverJob, Vec<HandoverOutcome>>;
+    type Figures = HandoverResult;
+
+    /// The study of every grade; no more than a few hours are learnt from.
+    fn planned(seed: u64, extent: &Extent) -> Option<Self> {
+        extent.asks(HANDOVER).then(|| Self {
+            grades: Grade::ALL.to_vec(),
+            seas: extent.seas.clone(),
+            trials: extent.trials.div_ceil(4),
+            cases: CASES.to_vec(),
+            lessons: Lessons {
+                calibration: extent.lessons.calibration.min(MOST.calibration),
+                level: extent.lessons.level.min(MOST.level),
+            },
+            seed,
+        })
     }
 
-    /// All jobs.
-    pub fn jobs(&self) -> Vec<HandoverJob> {
-        let numbered = |grade: &Grade| {
-            let grade = *grade;
-            (0..self.trials).map(move |number| HandoverJob { grade, number })
-        };
-        self.grades.iter().flat_map(numbered).collect()
+    fn lessons(&self) -> usize {
+        self.grades.len()
     }
 
-    /// The monitor of `grade`, which sends estimates.
-    ///
-    /// # Errors
-    /// There is no such machine, or it teaches nothing.
-    pub fn design(&self, stand: &Stand, grade: Grade) -> Result<MonitorDesign, StandError> {
+    fn teach(&self, stand: &Stand, lesson: usize) -> Result<MonitorDesign, StandError> {
         let mut settings = stand.settings.clone();
         settings.estimate.send = true;
         let mut stand = stand.clone();
         stand.settings = &settings;
-        let seeds = [0, 1].map(|which| self.random(STREAMS + which).random());
-        Ok(stand.learn(grade, &self.seas, seeds, self.lessons)?.design)
+        let seeds = [0, 1].map(|which| random(self.seed, STREAMS + which).random());
+        Ok(stand.learn(self.grades[lesson], &self.seas, seeds, self.lessons)?.design)
     }
 
-    /// Does one job on `stand`.
-    ///
-    /// # Errors
-    /// There is no such machine, or no place for such a fault on it.
-    pub fn run(&self, stand: &Stand, job: HandoverJob) -> Result<Vec<HandoverOutcome>, StandError> {
+    fn jobs(&self) -> Vec<HandoverJob> {
+        let numbered = |grade| (0..self.trials).map(move |number| HandoverJob { grade, number });
+        (0..self.grades.len()).flat_map(numbered).collect()
+    }
+
+    fn run(
+        &self,
+        stand: &Stand,
+        taught: &[MonitorDesign],
+        job: HandoverJob,
+    ) -> Result<Self::Product, StandError> {
         let HandoverJob { grade, number } = job;
         // Both grades have the same machines, and the same faults at the same times.
-        let mut rng = self.random(STREAMS + NUMBERS + u64::from(number));
+        let mut rng = random(self.seed, STREAMS + NUMBERS + u64::from(number));
         let sea = self.seas[number as usize % self.seas.len()];
         let leg = number / self.seas.len() as u32;
-        stand.handed_over(grade, sea, leg, &self.cases, &mut rng)
+        let of = (self.grades[grade], &taught[grade]);
+        Ok((job, stand.handed_over(of, sea, leg, &self.cases, &mut rng)?))
     }
 
-    fn random(&self, stream: u64) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(stream);
-        rng
+    fn gather(&self, _: &Stand, gathered: &mut Self::Gathered, (job, outcomes): Self::Product) {
+        gathered.insert(job, outcomes);
+    }
+
+    fn figures(&self, _: &Stand, _: &[MonitorDesign], gathered: Self::Gathered) -> HandoverResult {
+        let mut result = HandoverResult::default();
+        for (index, grade) in self.grades.iter().enumerate() {
+            let own = gathered.iter().filter(|(job, _)| job.grade == index);
+            let outcomes: Vec<_> = own.flat_map(|(_, outcomes)| outcomes).copied().collect();
+            result.add(*grade, &self.cases, &outcomes);
+        }
+        result
     }
 }

@@ -9,17 +9,25 @@ fn outcomes(numbers: &[usize], labels: &[&str]) -> Vec<Vec<HandoverOutcome>> {
     let (settings, _) = tertius_config::parse("e-type.toml", text).expect("it is sound");
     let database = database();
     let design = design::judging(&settings, &database).expect("they fit");
-    let mut stand = Stand::new(&Tables::default(), &settings, &database, &design);
-    let lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
-    let mut study = HandoverStudy::new(5, vec![[2.5, 8.0]], 2, lessons);
-    study.grades = vec![Grade::Fine];
-    study.cases.retain(|case| labels.contains(&case.label));
+    let stand = Stand::new(&Tables::default(), &settings, &database, &design);
+    let study = HandoverStudy {
+        grades: vec![Grade::Fine],
+        seas: vec![[2.5, 8.0]],
+        trials: 2,
+        cases: CASES.into_iter().filter(|case| labels.contains(&case.label)).collect(),
+        lessons: Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 },
+        seed: 5,
+    };
     assert_eq!(study.cases.len(), labels.len());
-    let design = study.design(&stand, Grade::Fine).expect("it can be learnt");
-    stand.handing = vec![(Grade::Fine, design)];
+    let taught = study.teach(&stand, 0).expect("it can be learnt");
     let jobs = study.jobs();
     assert_eq!(jobs.len(), 2, "a machine for each trial");
-    let run = |number: &usize| study.run(&stand, jobs[*number]).expect("it can be simulated");
+    let run = |number: &usize| {
+        let (_, outcomes) = study
+            .run(&stand, std::slice::from_ref(&taught), jobs[*number])
+            .expect("it can be simulated");
+        outcomes
+    };
     numbers.iter().map(run).collect()
 }
 

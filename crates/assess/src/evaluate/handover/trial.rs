@@ -3,7 +3,6 @@
 use super::cases::{HandoverCase, Policy};
 use super::installation::{Installation, Motion};
 use super::reader::{Blamed, Reader};
-use super::{LEAD, SPREAD};
 use crate::evaluate::grade::Grade;
 use crate::evaluate::stand::{Stand, StandError};
 use rand::RngExt;
@@ -14,6 +13,12 @@ use tertius_machine::controller::Supervision;
 use tertius_machine::inject::{Fault, Shape, Wanted, Window, place};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::Options;
+
+/// Time for which a machine is healthy before its faults, s.
+pub const LEAD: f64 = 330.0;
+
+/// Time within which the faults begin, s.
+const SPREAD: f64 = 8.0;
 
 /// Strokes of the healthy machine in each cycle from the branch on, m.
 type Strokes = Vec<[f64; CYLINDERS]>;
@@ -74,14 +79,14 @@ struct Followed {
 }
 
 impl Stand<'_> {
-    /// Plays a healthy machine with transducers of `grade` in `sea` for as long as its detectors need, and then every
+    /// Plays a healthy machine with transducers of `grade`, whose gateway has that design, in `sea` for as long as its detectors need, and then every
     /// fault of `cases` on C1 and on C2 of its cylinder `number` (modulo their number) under every policy.
     ///
     /// # Errors
     /// There is no such machine, or no place for such a fault on it.
     pub(super) fn handed_over(
         &self,
-        grade: Grade,
+        (grade, design): (Grade, &MonitorDesign),
         sea: [f64; 2],
         number: u32,
         cases: &[HandoverCase],
@@ -98,7 +103,7 @@ impl Stand<'_> {
         let mut simulator = self.steady(grade, &options)?;
         let patience = self.cycles(PATIENCE) as u32;
         simulator.supervise(Supervision::new(self.settings.comparator.critical, patience));
-        let monitor = Monitor::new(self.handing(grade)?.clone());
+        let monitor = Monitor::new(design.clone());
         let reader = Reader::new(self.database)?;
         let gangway = self.tables_of(grade).gangway.length;
         let mut healthy = Installation::new(simulator, monitor, reader, gangway);
@@ -190,12 +195,6 @@ impl Stand<'_> {
             all.append(&mut parted);
         }
         std::array::from_fn(|policy| all.get(policy).unwrap_or(&all[0]).result(drawn.leg))
-    }
-
-    fn handing(&self, grade: Grade) -> Result<&MonitorDesign, StandError> {
-        let known = self.handing.iter().find(|(known, _)| *known == grade);
-        let missing = || StandError::Untaught(format!("{} was not learnt", grade.name()));
-        known.map(|(_, design)| design).ok_or_else(missing)
     }
 }
 

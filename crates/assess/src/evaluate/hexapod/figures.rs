@@ -1,11 +1,12 @@
 //! Figures of the drifts that the deck's attitude names.
 
-use super::trial::HexapodOutcome;
-use super::{CASES, HexapodJob, HexapodProduct, HexapodStudy, STRETCH};
-use crate::evaluate::process::percentiles;
+use super::cases::{CASES, DeckWitness, STRETCH};
+use super::trial::{HexapodOutcome, HexapodQuiet};
+use crate::evaluate::figures::quantiles;
+use crate::evaluate::grade::Grade;
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
-use crate::evaluate::side::SideCase;
+use crate::evaluate::side::cases::SideCase;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -48,44 +49,41 @@ pub struct HexapodHealthy {
     pub hexapod: Rate,
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct HexapodGathering<'a> {
-    study: &'a HexapodStudy,
+/// What became of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HexapodProduct {
+    /// Of a grade, a witness and a case.
+    Drift { place: [usize; 3], number: u32, outcome: HexapodOutcome },
+    /// Of a grade and a witness.
+    Quiet { place: [usize; 2], quiet: HexapodQuiet },
+}
+
+/// Products so far.
+#[derive(Clone, Debug, Default)]
+pub struct HexapodGathered {
     drifts: BTreeMap<[usize; 3], BTreeMap<u32, HexapodOutcome>>,
     /// Stretches and warnings in them.
     quiet: BTreeMap<[usize; 2], (u64, [u64; 2])>,
 }
 
-impl<'a> HexapodGathering<'a> {
-    pub const fn new(study: &'a HexapodStudy) -> Self {
-        Self { study, drifts: BTreeMap::new(), quiet: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: HexapodJob, product: HexapodProduct) {
-        match (job, product) {
-            (
-                HexapodJob::Drift { grade, witness, case, number },
-                HexapodProduct::Drift(outcome),
-            ) => {
-                self.drifts.entry([grade, witness, case]).or_default().insert(number, outcome);
+impl HexapodGathered {
+    pub(super) fn add(&mut self, product: HexapodProduct) {
+        match product {
+            HexapodProduct::Drift { place, number, outcome } => {
+                self.drifts.entry(place).or_default().insert(number, outcome);
             }
-            (HexapodJob::Quiet { grade, witness, .. }, HexapodProduct::Quiet(quiet)) => {
-                let (stretches, raises) = self.quiet.entry([grade, witness]).or_default();
+            HexapodProduct::Quiet { place, quiet } => {
+                let (stretches, raises) = self.quiet.entry(place).or_default();
                 *stretches += 1;
                 for (sum, raises) in raises.iter_mut().zip(quiet.raises) {
                     *sum += raises;
                 }
             }
-            // A job brings what it is.
-            (HexapodJob::Drift { .. } | HexapodJob::Quiet { .. }, _) => {}
         }
     }
 
-    /// The figures of every drift by every witness.
-    pub fn finish(&self) -> HexapodResult {
-        let HexapodStudy { grades, witnesses, .. } = self.study;
+    /// The figures of every drift by every one of `witnesses`.
+    pub(super) fn result(&self, grades: &[Grade], witnesses: &[DeckWitness]) -> HexapodResult {
         let drifts = self.drifts.iter().filter_map(|([grade, witness, case], outcomes)| {
             let outcomes: Vec<HexapodOutcome> =
                 outcomes.values().filter(|it| !it.spoilt).copied().collect();
@@ -113,7 +111,7 @@ impl HexapodFigures {
         outcomes: &[HexapodOutcome],
     ) -> Self {
         let of = |value: fn(&HexapodOutcome) -> Option<f64>| {
-            percentiles(outcomes.iter().filter_map(value).collect(), 0.5)
+            quantiles(outcomes.iter().filter_map(value).collect(), [0.5, 0.95])
         };
         Self {
             grade,

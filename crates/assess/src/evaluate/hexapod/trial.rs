@@ -1,9 +1,9 @@
 //! One machine with a sensor on its deck: a transducer drifts, or nothing is wrong.
 
-use super::{DeckWitness, STRETCH};
+use super::cases::{DeckWitness, STRETCH};
 use crate::evaluate::grade::Grade;
-use crate::evaluate::process::varied;
-use crate::evaluate::side::{IN_TIME, SideCase};
+use crate::evaluate::machines::varied;
+use crate::evaluate::side::cases::{IN_TIME, SideCase};
 use crate::evaluate::stand::{Stand, StandError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +17,7 @@ use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::Suspect;
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
-use tertius_machine::simulator::{EPOCH, Options, Simulator};
+use tertius_machine::simulator::{Change, EPOCH, Options, Simulator};
 
 /// Time before the earliest drift, s: minutes at work, and within which they all begin.
 const LEAD: f64 = 180.0;
@@ -79,6 +79,23 @@ impl Presumed {
 }
 
 impl Stand<'_> {
+    /// The machine with transducers of `grade` that do not fluctuate, and with a sensor on its deck of this `witness`.
+    fn decked(
+        &self,
+        grade: Grade,
+        witness: DeckWitness,
+        changed: Option<(Change, f64)>,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        let mut tables = self.steady_tables_of(grade).clone();
+        if let DeckWitness::Sensor(accuracy) = witness {
+            let top = &mut tables.sensors.top;
+            (top.noise, top.wander) = (accuracy, accuracy);
+            top.wander_time = if top.wander_time > 0.0 { top.wander_time } else { 60.0 };
+        }
+        self.simulate_changed(tables, None, changed, options)
+    }
+
     /// Plays a machine on which one transducer of one cylinder drifts in the loop.
     pub(super) fn tilting(
         &self,

@@ -1,11 +1,11 @@
 //! Figures of the last transducers.
 
-use super::{LastGroup, LastJob, LastOutcome, LastProduct, LastQuiet, LastStudy, Outage};
+use super::cases::{LastGroup, Outage};
+use super::outcome::{LastOutcome, LastQuiet};
+use crate::evaluate::fault::fault_label;
 use crate::evaluate::figures::{Delay, Found, SuspectFigures, WITHIN};
-use crate::evaluate::plan::Cell;
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
-use crate::evaluate::row::{Row, Study};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use tertius_machine::inject::Wanted;
@@ -56,44 +56,46 @@ pub struct LastHours {
     pub otherwise: Rate,
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct LastGathering<'a> {
-    study: &'a LastStudy,
-    sample_time: f64,
+/// What became of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LastProduct {
+    /// By outage and fault, of a machine of that group.
+    Faulty { group: usize, number: u32, outcomes: Vec<Vec<LastOutcome>> },
+    /// Of a machine with that outage of that group.
+    Quiet { group: usize, outage: usize, quiet: LastQuiet },
+}
+
+/// Products so far.
+#[derive(Clone, Debug, Default)]
+pub struct LastGathered {
     /// By group and number of the machine.
     faulty: BTreeMap<(usize, u32), Vec<Vec<LastOutcome>>>,
     /// By group and outage.
     quiet: BTreeMap<(usize, usize), LastQuiet>,
 }
 
-impl<'a> LastGathering<'a> {
-    /// A collection for `study`; `sample_time` is the machine's, s.
-    pub const fn new(study: &'a LastStudy, sample_time: f64) -> Self {
-        Self { study, sample_time, faulty: BTreeMap::new(), quiet: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: LastJob, product: LastProduct) {
-        match (job, product) {
-            (LastJob::Faulty { group, number }, LastProduct::Faulty(outcomes)) => {
+impl LastGathered {
+    pub(super) fn add(&mut self, product: LastProduct) {
+        match product {
+            LastProduct::Faulty { group, number, outcomes } => {
                 self.faulty.insert((group, number), outcomes);
             }
-            (LastJob::Quiet { group, outage, .. }, LastProduct::Quiet(quiet)) => {
+            LastProduct::Quiet { group, outage, quiet } => {
                 self.quiet.entry((group, outage)).or_default().add(quiet);
             }
-            // A job brings what it is.
-            (LastJob::Faulty { .. } | LastJob::Quiet { .. }, _) => {}
         }
     }
 
-    /// The figures of every fault after every outage.
-    pub fn finish(&self) -> LastResult {
-        let study = self.study;
+    /// The figures of every one of `wanted` after every outage; `sample_time` is the machine's, s.
+    pub(super) fn result(
+        &self,
+        groups: &[LastGroup],
+        wanted: &[Option<Wanted>],
+        sample_time: f64,
+    ) -> LastResult {
         let mut faults = Vec::new();
-        for (index, group) in study.groups.iter().enumerate() {
-            let each =
-                group.outages().iter().flat_map(|it| study.faults.iter().map(move |f| (it, f)));
+        for (index, group) in groups.iter().enumerate() {
+            let each = group.outages().iter().flat_map(|it| wanted.iter().map(move |f| (it, f)));
             for (place, (outage, wanted)) in each.enumerate() {
                 let machines = self.faulty.range((index, 0)..=(index, u32::MAX));
                 let outcomes = machines.flat_map(|(_, outcomes)| &outcomes[place]);
@@ -102,8 +104,8 @@ impl<'a> LastGathering<'a> {
             }
         }
         let hours = self.quiet.iter().map(|((group, outage), quiet)| {
-            let group = &study.groups[*group];
-            let hours = quiet.cycles as f64 * self.sample_time / 3600.0;
+            let group = &groups[*group];
+            let hours = quiet.cycles as f64 * sample_time / 3600.0;
             LastHours {
                 grade: group.grade.name(),
                 outage: group.outages()[*outage].name(),
@@ -124,7 +126,6 @@ impl LastFigures {
         outcomes: &[LastOutcome],
     ) -> Self {
         let fair: Vec<LastOutcome> = outcomes.iter().filter(|it| !it.spoilt).copied().collect();
-        let cell = Cell { grade: group.grade, sea: [0.0; 2] };
         let within = |within: f64| Found {
             within,
             found: Proportion::counting(&fair, |it| it.delay.is_some_and(|delay| delay <= within)),
@@ -137,7 +138,7 @@ impl LastFigures {
             grade: group.grade.name(),
             outage: outage.name(),
             in_loop: group.in_loop,
-            label: Row::open(Study::Last, cell, wanted).label(),
+            label: fault_label(wanted),
             faults: fair.len() as u64,
             spoilt: (outcomes.len() - fair.len()) as u64,
             found: WITHIN.map(within),

@@ -5,118 +5,40 @@
 //! out. Only every second cylinder of a machine has faults, because the monitor may attribute what most cylinders show
 //! together to something that they share.
 
+mod cases;
 mod figures;
 mod outcome;
 #[cfg(test)]
 mod tests;
 mod trial;
 
-pub use figures::{LastFigures, LastGathering, LastHours, LastResult};
+pub use cases::{FAULTS, LastGroup, Outage};
+pub use figures::{LastFigures, LastGathered, LastHours, LastProduct, LastResult};
 pub use outcome::{LastOutcome, LastQuiet};
 
+use super::extent::{Extent, StudyName};
 use super::grade::Grade;
-use super::plan::Extent;
-use super::row::{SIGMA, Study};
+use super::random::random;
 use super::stand::{Stand, StandError};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use super::study::Study;
+use crate::flaws::listed;
+use cases::STRETCH;
 use tertius_config::design;
 use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
-use tertius_machine::inject::{Shape, Wanted};
-use trial::Drawn;
-
-/// An estimate is wrong when it is off by more of its own standard deviations than this.
-pub(super) const WRONG: f64 = 3.0;
-
-/// Why a cylinder has one transducer left: the state of the other one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outage {
-    /// No frame of it arrives.
-    Lost,
-    Frozen,
-    /// It is off by 10 mm.
-    Stepped,
-    /// The cylinder has no C2.
-    Absent,
-}
-
-/// Step of the other transducer, m.
-const OFF: f64 = 0.01;
-
-impl Outage {
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Lost => "lost",
-            Self::Frozen => "frozen",
-            Self::Stepped => "10 mm off",
-            Self::Absent => "absent",
-        }
-    }
-
-    /// The fault of the other transducer; `None`: it does not exist.
-    const fn shape(self) -> Option<Shape> {
-        match self {
-            Self::Lost => Some(Shape::Loss { probability: 1.0 }),
-            Self::Frozen => Some(Shape::Freeze),
-            Self::Stepped => Some(Shape::Step { size: OFF }),
-            Self::Absent => None,
-        }
-    }
-}
-
-/// Faults of the last transducer; `None` is no fault and shows what is found by chance.
-pub const FAULTS: [Option<Wanted>; 16] = {
-    const fn of(shape: Shape) -> Option<Wanted> {
-        Some(Wanted::Shape(shape))
-    }
-    [
-        of(Shape::Step { size: 1.25e-3 }),
-        of(Shape::Step { size: 2.5e-3 }),
-        of(Shape::Step { size: 0.01 }),
-        of(Shape::Step { size: 0.06 }),
-        of(Shape::Noise { size: 2.0 * SIGMA }),
-        of(Shape::Noise { size: 6.0 * SIGMA }),
-        of(Shape::Incipient { size: 0.07, b: 1.0 }),
-        of(Shape::Drift { rate: 1e-3 }),
-        of(Shape::Drift { rate: 0.01 }),
-        of(Shape::Drift { rate: 0.1 }),
-        of(Shape::Scale { gain: 0.01 }),
-        of(Shape::Freeze),
-        of(Shape::Loss { probability: 1.0 }),
-        Some(Wanted::OutOfRange(None)),
-        Some(Wanted::BrokenWire(None)),
-        None,
-    ]
-};
-
-/// Machines on which the same faults are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LastGroup {
-    pub grade: Grade,
-    /// The controller reads the faults of C1.
-    pub in_loop: bool,
-    /// The cylinders have no C2.
-    pub single: bool,
-}
-
-impl LastGroup {
-    /// The outages that are tried.
-    pub const fn outages(&self) -> &'static [Outage] {
-        if self.single {
-            &[Outage::Absent]
-        } else {
-            &[Outage::Lost, Outage::Frozen, Outage::Stepped]
-        }
-    }
-}
-
-/// How long one machine without a fault of the last transducer is watched, s.
-const STRETCH: f64 = 600.0;
+use tertius_machine::inject::Wanted;
+use trial::{Drawn, Machines};
 
 /// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 13 << 41;
 const NUMBERS: u64 = 1 << 20;
+
+/// The studies of the last transducers: once the other one is out, and where there is no other one.
+const LAST: StudyName = StudyName::slow(
+    "last",
+    "Faults of the transducer that is left after the other one was lost, froze or stepped by 10 mm",
+);
+const SINGLE: StudyName = StudyName::slow("single", "The same on cylinders that have no C2");
 
 /// What is tried on which machines.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,37 +65,59 @@ pub enum LastJob {
     Quiet { group: usize, outage: usize, number: u32 },
 }
 
-/// Result of a job.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LastProduct {
-    /// By outage and fault.
-    Faulty(Vec<Vec<LastOutcome>>),
-    Quiet(LastQuiet),
-}
+impl Study for LastStudy {
+    const NAMES: &'static [StudyName] = &[LAST, SINGLE];
+    type Job = LastJob;
+    /// The configuration without C2, and its monitor.
+    type Taught = (Settings, MonitorDesign);
+    type Product = LastProduct;
+    type Gathered = LastGathered;
+    type Figures = LastResult;
 
-impl LastStudy {
-    /// The studies that `extent` asks for.
-    pub fn new(seed: u64, extent: &Extent) -> Self {
-        let asked = [(Study::Last, false), (Study::Single, true)];
-        let asked = asked.into_iter().filter(|(study, _)| extent.studies.contains(study));
+    fn planned(seed: u64, extent: &Extent) -> Option<Self> {
+        let asked = [(LAST, false), (SINGLE, true)];
+        let asked = asked.into_iter().filter(|(study, _)| extent.asks(*study));
         let groups = asked.flat_map(|(_, single)| {
             Grade::ALL.into_iter().flat_map(move |grade| {
                 [false, true].map(|in_loop| LastGroup { grade, in_loop, single })
             })
         });
-        Self {
-            groups: groups.collect(),
+        let groups: Vec<LastGroup> = groups.collect();
+        (!groups.is_empty()).then(|| Self {
+            groups,
             faults: FAULTS.to_vec(),
             seas: extent.seas.clone(),
             trials: extent.trials,
-            hours: extent.last_hours,
+            hours: extent.hours,
             seed,
             cylinders: extent.cylinders,
-        }
+        })
     }
 
-    /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<LastJob> {
+    fn lessons(&self) -> usize {
+        usize::from(self.groups.iter().any(|group| group.single))
+    }
+
+    fn teach(&self, stand: &Stand, _: usize) -> Result<Self::Taught, StandError> {
+        let mut settings = stand.settings.clone();
+        let signals = &mut settings.signals.cylinder;
+        signals.c2 = None;
+        signals.c2_velocity = None;
+        signals.c2_status = None;
+        signals.c2_counter = None;
+        for cylinder in &mut settings.cylinder {
+            cylinder.sequential = None;
+            if let Some(process) = &mut cylinder.process {
+                (process.flow, process.friction) = (None, None);
+            }
+        }
+        let design = design::judging(&settings, stand.database);
+        let design = design
+            .map_err(|flaws| StandError::Untaught(format!("without C2: {}", listed(&flaws))))?;
+        Ok((settings, design))
+    }
+
+    fn jobs(&self) -> Vec<LastJob> {
         let machines = self.trials.div_ceil(u32::from((self.cylinders / 2).max(1)));
         let stretches = (self.hours * 3600.0 / STRETCH).ceil() as u32;
         let groups = || self.groups.iter().enumerate();
@@ -188,60 +132,41 @@ impl LastStudy {
         faulty.chain(quiet).collect()
     }
 
-    /// The configuration of `stand` without C2, and its monitor; `None` where it is not asked for.
-    ///
-    /// # Errors
-    /// The monitor cannot be without C2.
-    pub fn without_c2(
+    fn run(
         &self,
         stand: &Stand,
-    ) -> Result<Option<(Settings, MonitorDesign)>, StandError> {
-        if !self.groups.iter().any(|group| group.single) {
-            return Ok(None);
-        }
-        let mut settings = stand.settings.clone();
-        let signals = &mut settings.signals.cylinder;
-        signals.c2 = None;
-        signals.c2_velocity = None;
-        signals.c2_status = None;
-        signals.c2_counter = None;
-        for cylinder in &mut settings.cylinder {
-            cylinder.sequential = None;
-            if let Some(process) = &mut cylinder.process {
-                (process.flow, process.friction) = (None, None);
-            }
-        }
-        let design = design::judging(&settings, stand.database).map_err(|flaws| {
-            let told: Vec<String> =
-                flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect();
-            StandError::Untaught(format!("without C2: {}", told.join("; ")))
-        })?;
-        Ok(Some((settings, design)))
-    }
-
-    /// Does one job on `stand`.
-    ///
-    /// # Errors
-    /// There is no such machine, or no place for such a fault on it.
-    pub fn run(&self, stand: &Stand, job: LastJob) -> Result<LastProduct, StandError> {
-        let (LastJob::Faulty { group, number } | LastJob::Quiet { group, number, .. }) = job;
-        let group = &self.groups[group];
+        taught: &[Self::Taught],
+        job: LastJob,
+    ) -> Result<LastProduct, StandError> {
         // All outages and faults are tried on the same machines at the same times.
-        let first = match job {
-            LastJob::Faulty { .. } => STREAMS,
-            LastJob::Quiet { .. } => STREAMS + NUMBERS,
+        let drawn = |group: &LastGroup, first: u64, number: u32| {
+            let mut rng = random(self.seed, first + u64::from(number));
+            let sea = self.seas[number as usize % self.seas.len()];
+            Drawn::new(group, number, self.cylinders, sea, &mut rng)
         };
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(first + u64::from(number));
-        let sea = self.seas[number as usize % self.seas.len()];
-        let drawn = Drawn::new(group, number, self.cylinders, sea, &mut rng);
         Ok(match job {
-            LastJob::Faulty { .. } => {
-                LastProduct::Faulty(stand.left_with(group, &self.faults, &drawn)?)
+            LastJob::Faulty { group: index, number } => {
+                let group = &self.groups[index];
+                let machines = Machines::new(stand, group, taught.first())?;
+                let drawn = drawn(group, STREAMS, number);
+                let outcomes = machines.left_with(&self.faults, &drawn)?;
+                LastProduct::Faulty { group: index, number, outcomes }
             }
-            LastJob::Quiet { outage, .. } => {
-                LastProduct::Quiet(stand.left_alone(group, group.outages()[outage], &drawn)?)
+            LastJob::Quiet { group: index, outage, number } => {
+                let group = &self.groups[index];
+                let machines = Machines::new(stand, group, taught.first())?;
+                let drawn = drawn(group, STREAMS + NUMBERS, number);
+                let quiet = machines.left_alone(group.outages()[outage], &drawn)?;
+                LastProduct::Quiet { group: index, outage, quiet }
             }
         })
+    }
+
+    fn gather(&self, _: &Stand, gathered: &mut LastGathered, product: LastProduct) {
+        gathered.add(product);
+    }
+
+    fn figures(&self, stand: &Stand, _: &[Self::Taught], gathered: LastGathered) -> LastResult {
+        gathered.result(&self.groups, &self.faults, stand.settings.machine.sample_time)
     }
 }

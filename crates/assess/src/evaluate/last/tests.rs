@@ -1,47 +1,41 @@
 //! Both studies on few machines, and that their result does not depend on the order of their jobs.
 
 use super::*;
-use crate::evaluate::learning::Lessons;
+use crate::evaluate::extent::Lessons;
+use crate::evaluate::study::TaughtStudy;
+use crate::evaluate::workers::Serial;
 use tertius_dbc::{Database, text};
+use tertius_machine::inject::Shape;
 use tertius_machine::simulator::Tables;
 
 /// A study of few faults on one machine of each group.
-fn study(asked: Study, faults: &[Option<Wanted>]) -> LastStudy {
+fn study(asked: StudyName, faults: &[Option<Wanted>]) -> LastStudy {
     let extent = Extent {
         trials: 3,
-        hours: 0.0,
+        hours: 0.1,
         seas: vec![[2.5, 8.0]],
-        studies: vec![asked],
-        contest_hours: 0.0,
+        studies: vec![asked.name],
         lessons: Lessons { calibration: 0.1, level: 0.1 },
-        weights_hours: 0.0,
         weights: Vec::new(),
-        process_hours: 0.0,
-        side_hours: 0.0,
-        hexapod_hours: 0.0,
-        last_hours: 0.1,
         cylinders: 6,
         taught: None,
         lag: 0.06,
     };
-    LastStudy { faults: faults.to_vec(), ..LastStudy::new(7, &extent) }
+    let study = LastStudy::planned(7, &extent).expect("it was asked for");
+    LastStudy { faults: faults.to_vec(), ..study }
 }
 
-/// The result of `jobs` on the machine of the configuration.
-fn result(study: &LastStudy, jobs: impl Iterator<Item = LastJob>) -> LastResult {
+/// The result on the machine of the configuration.
+fn result(study: &LastStudy, workers: Serial) -> LastResult {
     let config = include_str!("../../../../../config/e-type-simulated.toml");
     let (settings, _) =
         tertius_config::parse("e-type-simulated.toml", config).expect("it is sound");
     let dbc = text::from_bytes(include_bytes!("../../../../../dbc/e-type.dbc"));
     let database = Database::parse(&dbc).expect("it is sound");
     let monitor = design::judging(&settings, &database).expect("they fit");
-    let mut stand = Stand::new(&Tables::default(), &settings, &database, &monitor);
-    stand.single = study.without_c2(&stand).expect("C2 is not needed");
-    let mut gathering = LastGathering::new(study, settings.machine.sample_time);
-    for job in jobs {
-        gathering.take(job, study.run(&stand, job).expect("it can be simulated"));
-    }
-    gathering.finish()
+    let stand = Stand::new(&Tables::default(), &settings, &database, &monitor);
+    let course = TaughtStudy::new(study, &stand, &workers).expect("C2 is not needed");
+    course.figures(&workers).expect("it can be simulated")
 }
 
 const LOST: Option<Wanted> = Some(Wanted::Shape(Shape::Loss { probability: 1.0 }));
@@ -50,12 +44,11 @@ const LOST: Option<Wanted> = Some(Wanted::Shape(Shape::Loss { probability: 1.0 }
 /// it, it is not named.
 #[test]
 fn a_last_transducer_that_is_lost_is_named_and_a_sound_one_is_not() {
-    let mut study = study(Study::Last, &[LOST, None]);
+    let mut study = study(LAST, &[LOST, None]);
     study.groups.truncate(1);
-    let jobs = study.jobs();
-    assert_eq!(jobs.len(), 1 + 3, "a machine, and a stretch with each outage");
-    let forwards = result(&study, jobs.iter().copied());
-    assert_eq!(forwards, result(&study, jobs.iter().rev().copied()), "in any order");
+    assert_eq!(study.jobs().len(), 1 + 3, "a machine, and a stretch with each outage");
+    let forwards = result(&study, Serial::default());
+    assert_eq!(forwards, result(&study, Serial { reversed: true }), "in any order");
     let of: Vec<_> = forwards.faults.iter().map(|it| (it.outage, &*it.label)).collect();
     let outages = ["lost", "frozen", "10 mm off"];
     assert_eq!(of, outages.map(|it| [(it, "loss of 100 %"), (it, "none")]).as_flattened());
@@ -77,9 +70,9 @@ fn a_last_transducer_that_is_lost_is_named_and_a_sound_one_is_not() {
 #[test]
 fn a_cylinder_without_a_second_transducer_is_tried_by_the_same_faults() {
     let drift = Some(Wanted::Shape(Shape::Drift { rate: 1e-3 }));
-    let mut study = study(Study::Single, &[drift, LOST, None]);
+    let mut study = study(SINGLE, &[drift, LOST, None]);
     study.groups.truncate(2);
-    let all = result(&study, study.jobs().into_iter());
+    let all = result(&study, Serial::default());
     let loops: Vec<_> = all.faults.iter().map(|it| (it.outage, it.in_loop)).collect();
     assert_eq!(loops, [[("absent", false); 3], [("absent", true); 3]].as_flattened());
     for rows in all.faults.chunks(3) {

@@ -1,10 +1,10 @@
 //! One machine whose cylinders have one transducer left.
 
+use super::cases::{LastGroup, Outage, STRETCH};
 use super::outcome::{Heard, LastOutcome, LastQuiet, Pair, WATCH};
-use super::{LastGroup, Outage, STRETCH, WRONG};
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::signed;
-use crate::evaluate::truth::Truth;
+use crate::evaluate::tried::signed;
+use crate::evaluate::truth::{Truth, WRONG};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tertius_config::settings::Settings;
@@ -122,32 +122,50 @@ impl Running {
     }
 }
 
-impl Stand<'_> {
-    /// Plays the machine of `drawn` with every outage of `group`, each with every one of `faults`.
-    pub(super) fn left_with(
+/// The machines of a group, with the configuration and the monitor that they have.
+#[derive(Clone, Copy)]
+pub(super) struct Machines<'a> {
+    stand: &'a Stand<'a>,
+    group: &'a LastGroup,
+    settings: &'a Settings,
+    design: &'a MonitorDesign,
+}
+
+impl<'a> Machines<'a> {
+    /// Those of `group`; `single` is the configuration without C2, and its monitor.
+    pub fn new(
+        stand: &'a Stand<'a>,
+        group: &'a LastGroup,
+        single: Option<&'a (Settings, MonitorDesign)>,
+    ) -> Result<Self, StandError> {
+        let (settings, design) = if group.single {
+            let single = single.map(|(settings, design)| (settings, design));
+            single.ok_or_else(|| StandError::Untaught("no monitor without C2".to_owned()))?
+        } else {
+            (stand.settings, stand.design)
+        };
+        Ok(Self { stand, group, settings, design })
+    }
+
+    /// Plays the machine of `drawn` with every outage of the group, each with every one of `faults`.
+    pub fn left_with(
         &self,
-        group: &LastGroup,
         faults: &[Option<Wanted>],
         drawn: &Drawn,
     ) -> Result<Vec<Vec<LastOutcome>>, StandError> {
-        let ready = self.ready(group, drawn)?;
+        let ready = self.ready(drawn)?;
         let each =
-            group.outages().iter().flat_map(|it| faults.iter().map(move |fault| (it, fault)));
-        each.map(|(outage, wanted)| self.struck(group, &ready, drawn, (*outage, *wanted))).collect()
+            self.group.outages().iter().flat_map(|it| faults.iter().map(move |fault| (it, fault)));
+        each.map(|(outage, wanted)| self.struck(&ready, drawn, (*outage, *wanted))).collect()
     }
 
     /// Plays the machine of `drawn` with that `outage` and no other fault.
-    pub(super) fn left_alone(
-        &self,
-        group: &LastGroup,
-        outage: Outage,
-        drawn: &Drawn,
-    ) -> Result<LastQuiet, StandError> {
-        let mut running = self.ready(group, drawn)?;
+    pub fn left_alone(&self, outage: Outage, drawn: &Drawn) -> Result<LastQuiet, StandError> {
+        let mut running = self.ready(drawn)?;
         let begun = running.simulator.opening();
-        let outages = self.placed_outages(group, outage, drawn)?;
+        let outages = self.placed_outages(outage, drawn)?;
         running.simulator.afflict(&outages, drawn.seed);
-        for _ in 0..self.cycles(STRETCH - LEAD) {
+        for _ in 0..self.stand.cycles(STRETCH - LEAD) {
             running.step();
         }
         running.monitor.finish(&mut running.listener);
@@ -155,27 +173,18 @@ impl Stand<'_> {
         for leg in &drawn.legs {
             let from = begun.after(Span::from_seconds(leg.outage));
             quiet.count(&running.listener.warnings, leg.pair, from);
-            quiet.cycles += self.cycles(STRETCH - LEAD - leg.outage);
+            quiet.cycles += self.stand.cycles(STRETCH - LEAD - leg.outage);
         }
         Ok(quiet)
     }
 
-    /// The configuration and the monitor of the machines of `group`.
-    fn of_group(&self, group: &LastGroup) -> Result<(&Settings, &MonitorDesign), StandError> {
-        if !group.single {
-            return Ok((self.settings, self.design));
-        }
-        let single = self.single.as_ref().map(|(settings, design)| (settings, design));
-        single.ok_or_else(|| StandError::Untaught("no monitor without C2".to_owned()))
-    }
-
     /// The machine of `drawn`, at work for [`LEAD`].
-    fn ready(&self, group: &LastGroup, drawn: &Drawn) -> Result<Running, StandError> {
-        let (settings, design) = self.of_group(group)?;
+    fn ready(&self, drawn: &Drawn) -> Result<Running, StandError> {
+        let Self { stand, group, settings, design } = *self;
         let (sea, in_loop) = (Some(drawn.sea), group.in_loop);
         let options = Options { seed: drawn.seed, sea, in_loop, ..Options::default() };
-        let tables = self.tables_of(group.grade);
-        let simulator = Simulator::new(tables, settings, self.database, &options)?;
+        let tables = stand.tables_of(group.grade);
+        let simulator = Simulator::new(tables, settings, stand.database, &options)?;
         let design = MonitorDesign { estimates: Estimates::Computed, ..design.clone() };
         let listener = Listener {
             warnings: Vec::new(),
@@ -184,27 +193,21 @@ impl Stand<'_> {
             truth: Truth::new(&simulator, settings.machine.sample_time),
         };
         let mut running = Running { simulator, monitor: Monitor::new(design), listener };
-        for _ in 0..self.cycles(LEAD) {
+        for _ in 0..self.stand.cycles(LEAD) {
             running.step();
         }
         Ok(running)
     }
 
-    fn placed_outages(
-        &self,
-        group: &LastGroup,
-        outage: Outage,
-        drawn: &Drawn,
-    ) -> Result<Vec<Placed>, StandError> {
+    fn placed_outages(&self, outage: Outage, drawn: &Drawn) -> Result<Vec<Placed>, StandError> {
         let Some(shape) = outage.shape() else { return Ok(Vec::new()) };
         let wanted = |leg: &Leg| signed(Wanted::Shape(shape), leg.signs[0]);
-        let place = |leg| self.placed_at(group, leg, leg.pair.other, (wanted(leg), leg.outage));
+        let place = |leg| self.placed_at(leg, leg.pair.other, (wanted(leg), leg.outage));
         drawn.legs.iter().map(place).collect()
     }
 
     fn placed_at(
         &self,
-        group: &LastGroup,
         leg: &Leg,
         transducer: Suspect,
         (wanted, at): (Wanted, f64),
@@ -212,24 +215,23 @@ impl Stand<'_> {
         let window = Window { from: Span::from_seconds(at), until: None };
         let fault =
             Fault { cylinder: leg.pair.cylinder, sensor: transducer.name(), wanted, window };
-        Ok(place(&fault, self.of_group(group)?.0, self.database)?)
+        Ok(place(&fault, self.settings, self.stand.database)?)
     }
 
     /// Lets the machine that is `ready` have that outage and that fault.
     fn struck(
         &self,
-        group: &LastGroup,
         ready: &Running,
         drawn: &Drawn,
         (outage, wanted): (Outage, Option<Wanted>),
     ) -> Result<Vec<LastOutcome>, StandError> {
         let mut running = ready.clone();
-        let mut faults = self.placed_outages(group, outage, drawn)?;
+        let mut faults = self.placed_outages(outage, drawn)?;
         let first = faults.len();
         if let Some(wanted) = wanted {
             for leg in &drawn.legs {
                 let wanted = (signed(wanted, leg.signs[1]), leg.at);
-                faults.push(self.placed_at(group, leg, leg.pair.last, wanted)?);
+                faults.push(self.placed_at(leg, leg.pair.last, wanted)?);
             }
         }
         running.simulator.afflict(&faults, drawn.seed);
@@ -238,7 +240,7 @@ impl Stand<'_> {
         // The Sync at which the first faulty reading was sampled.
         let mut onsets: Vec<Option<Timestamp>> = vec![None; drawn.legs.len()];
         let latest = drawn.legs.iter().map(|leg| leg.at).fold(0.0, f64::max);
-        for _ in 0..self.cycles(latest + WATCH + 1.0) {
+        for _ in 0..self.stand.cycles(latest + WATCH + 1.0) {
             let opening = running.simulator.opening();
             running.step();
             let tallies = running.simulator.tallies().iter().skip(first);

@@ -1,5 +1,6 @@
 //! The faults that are tried.
 
+use crate::evaluate::fault::SIGMA;
 use tertius_core::verdict::Fault;
 use tertius_machine::inject::{Shape, Wanted};
 use tertius_machine::plant::Ailment;
@@ -19,6 +20,9 @@ pub struct ProcessCase {
     /// How long it is watched, s.
     pub watch: f64,
 }
+
+/// How long one healthy machine is watched, s.
+pub const STRETCH: f64 = 1800.0;
 
 /// How long a fault is watched, s.
 const WATCH: f64 = 25.0;
@@ -187,7 +191,7 @@ pub const CASES: [ProcessCase; 35] = [
     of_c1("C1 step 60 mm", Shape::Step { size: 0.06 }),
     of_c1("C1 drift 1 mm/s", Shape::Drift { rate: 1e-3 }),
     of_c1("C1 drift 20 mm/s", Shape::Drift { rate: 0.02 }),
-    of_c1("C1 noise 4 σ", Shape::Noise { size: 4.0 * super::super::row::SIGMA }),
+    of_c1("C1 noise 4 σ", Shape::Noise { size: 4.0 * SIGMA }),
     of_c1("C1 scale 1 %", Shape::Scale { gain: 0.01 }),
     of_c1("C1 frozen", Shape::Freeze),
 ];

@@ -1,8 +1,9 @@
 //! Figures of the process detectors.
 
-use super::cases::{CASES, ProcessCase};
-use super::trial::ProcessOutcome;
-use super::{ProcessJob, ProcessMachine, ProcessProduct, ProcessStudy, STRETCH};
+use super::cases::{CASES, ProcessCase, STRETCH};
+use super::trial::{ProcessOutcome, ProcessQuiet};
+use crate::evaluate::figures::quantiles;
+use crate::evaluate::machines::ProcessMachine;
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
 use serde::Serialize;
@@ -43,39 +44,47 @@ pub struct ProcessHealthy {
     pub false_alarms: Rate,
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct ProcessGathering<'a> {
-    study: &'a ProcessStudy,
+/// What became of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProcessProduct {
+    /// The fault of that index of [`CASES`] on the machine of that index.
+    Faulty {
+        machine: usize,
+        case: usize,
+        number: u32,
+        outcomes: Vec<ProcessOutcome>,
+    },
+    Quiet {
+        machine: usize,
+        quiet: ProcessQuiet,
+    },
+}
+
+/// Products so far.
+#[derive(Clone, Debug, Default)]
+pub struct ProcessGathered {
     faulty: BTreeMap<(usize, usize, u32), Vec<ProcessOutcome>>,
     /// Stretches, and false alarms in them.
     quiet: BTreeMap<usize, [u64; 2]>,
 }
 
-impl<'a> ProcessGathering<'a> {
-    pub const fn new(study: &'a ProcessStudy) -> Self {
-        Self { study, faulty: BTreeMap::new(), quiet: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: ProcessJob, product: ProcessProduct) {
-        match (job, product) {
-            (ProcessJob::Faulty { machine, case, number }, ProcessProduct::Faulty(outcomes)) => {
+impl ProcessGathered {
+    pub(super) fn add(&mut self, product: ProcessProduct) {
+        match product {
+            ProcessProduct::Faulty { machine, case, number, outcomes } => {
                 self.faulty.insert((machine, case, number), outcomes);
             }
-            (ProcessJob::Quiet { machine, .. }, ProcessProduct::Quiet(quiet)) => {
+            ProcessProduct::Quiet { machine, quiet } => {
                 let [stretches, raises] = self.quiet.entry(machine).or_default();
                 *stretches += 1;
                 *raises += quiet.raises;
             }
-            // A job brings what it is.
-            (ProcessJob::Faulty { .. } | ProcessJob::Quiet { .. }, _) => {}
         }
     }
 
-    /// The figures of every fault on every machine.
-    pub fn finish(&self) -> ProcessResult {
-        let machines = || self.study.machines.iter().enumerate();
+    /// The figures of every fault on every one of `machines`.
+    pub(super) fn result(&self, machines: &[ProcessMachine]) -> ProcessResult {
+        let machines = || machines.iter().enumerate();
         let faults = machines().flat_map(|(index, machine)| {
             CASES.iter().enumerate().filter_map(move |(number, case)| {
                 let own =
@@ -108,22 +117,14 @@ impl ProcessFigures {
             lag: machine.lag,
             label: case.label,
             found: Proportion::counting(outcomes, |it| it.delay.is_some()),
-            delay: percentiles(delays, 0.5),
+            delay: quantiles(delays, [0.5, 0.95]),
             kind: case
                 .expected
                 .map(|expected| Proportion::counting(&found, |it| it.kind == Some(expected))),
-            size: percentiles(ratios, 0.5)
-                .zip(percentiles(off, 0.5))
+            size: quantiles(ratios, [0.5, 0.95])
+                .zip(quantiles(off, [0.5, 0.95]))
                 .map(|(of, off)| [of[0], off[1]]),
             blamed: [0, 1].map(|at| Proportion::counting(outcomes, |it| it.blamed[at])),
         }
     }
-}
-
-/// That part of `values`, and the 95th percentile.
-pub fn percentiles(mut values: Vec<f64>, part: f64) -> Option<[f64; 2]> {
-    values.sort_unstable_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    let at = |part: f64| values[((part * values.len() as f64) as usize).min(last)];
-    Some([at(part), at(0.95)])
 }

@@ -8,45 +8,28 @@ mod cases;
 mod figures;
 mod trial;
 
-pub use cases::{CASES, ProcessCase};
-pub(super) use figures::percentiles;
-pub use figures::{ProcessFigures, ProcessGathering, ProcessHealthy, ProcessResult};
+pub use cases::{CASES, ProcessCase, STRETCH};
+pub use figures::{ProcessFigures, ProcessGathered, ProcessHealthy, ProcessProduct, ProcessResult};
 pub use trial::{ProcessOutcome, ProcessQuiet};
-pub(super) use trial::{is_process, varied};
 
-use super::grade::Grade;
-use super::plan::Extent;
-use super::side::LESSONS;
+use super::extent::{Extent, StudyName};
+use super::learning::COMMISSIONING;
+use super::machines::ProcessMachine;
+use super::random::random;
 use super::stand::{Stand, StandError};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
+use super::study::Study;
+use rand::RngExt;
 use tertius_core::monitor::MonitorDesign;
-
-/// Transducers, and the time constant of the spools, s.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ProcessMachine {
-    pub grade: Grade,
-    pub lag: f64,
-}
-
-/// Time constant of the spools of fast servo-valves, s, which are tried beside the plant's own.
-const FAST: f64 = 0.01;
-
-impl ProcessMachine {
-    /// Machines of every grade, with spools of the time constant `lag`, s, and with fast ones.
-    pub(super) fn all(lag: f64) -> Vec<Self> {
-        let of = |grade| [lag, FAST].map(|lag| Self { grade, lag });
-        Grade::ALL.into_iter().flat_map(of).collect()
-    }
-}
-
-/// How long one healthy machine is watched, s.
-pub const STRETCH: f64 = 1800.0;
 
 /// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 7 << 40;
 const NUMBERS: u64 = 1 << 20;
+
+/// The study of faults of the process.
+const PROCESS: StudyName = StudyName::slow(
+    "process",
+    "Faults of valves, pressures and commands, which are no transducer's",
+);
 
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,33 +61,51 @@ pub enum ProcessJob {
     },
 }
 
-/// Result of a job.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ProcessProduct {
-    Faulty(Vec<ProcessOutcome>),
-    Quiet(ProcessQuiet),
-}
-
 impl ProcessStudy {
-    /// The study of all machines.
-    pub fn new(seed: u64, extent: &Extent) -> Self {
-        Self {
-            machines: ProcessMachine::all(extent.lag),
-            seas: extent.seas.clone(),
-            trials: extent.trials,
-            hours: extent.process_hours,
-            seed,
-            cylinders: extent.cylinders,
-        }
-    }
-
     /// Number of machines with the fault of `case`.
-    pub const fn repeats(&self, case: &ProcessCase) -> u32 {
+    const fn repeats(&self, case: &ProcessCase) -> u32 {
         if case.is_of_all() { self.trials } else { self.trials.div_ceil(self.cylinders as u32) }
     }
 
-    /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<ProcessJob> {
+    fn sea(&self, number: u32) -> [f64; 2] {
+        self.seas[number as usize % self.seas.len()]
+    }
+}
+
+impl Study for ProcessStudy {
+    const NAMES: &'static [StudyName] = &[PROCESS];
+    type Job = ProcessJob;
+    /// The monitor of a machine, taught by a recording of its own.
+    type Taught = MonitorDesign;
+    type Product = ProcessProduct;
+    type Gathered = ProcessGathered;
+    type Figures = ProcessResult;
+
+    fn planned(seed: u64, extent: &Extent) -> Option<Self> {
+        extent.asks(PROCESS).then(|| Self {
+            machines: ProcessMachine::all(extent.lag),
+            seas: extent.seas.clone(),
+            trials: extent.trials,
+            hours: extent.hours,
+            seed,
+            cylinders: extent.cylinders,
+        })
+    }
+
+    fn lessons(&self) -> usize {
+        self.machines.len()
+    }
+
+    fn teach(&self, stand: &Stand, lesson: usize) -> Result<MonitorDesign, StandError> {
+        let mut rng = random(self.seed, STREAMS + lesson as u64);
+        let seeds = [rng.random(), rng.random()];
+        let (machine, seas) = (self.machines[lesson], &self.seas[..1]);
+        let learnt = stand.commission(machine, true, seas, seeds, COMMISSIONING)?;
+        is_complete(&learnt.design)?;
+        Ok(learnt.design)
+    }
+
+    fn jobs(&self) -> Vec<ProcessJob> {
         let stretches = (self.hours * 3600.0 / STRETCH).ceil() as u32;
         let machines = || 0..self.machines.len();
         let quiet = machines().flat_map(|machine| {
@@ -119,58 +120,35 @@ impl ProcessStudy {
         quiet.chain(faulty).collect()
     }
 
-    /// The monitors of all machines, each taught by a recording of its own.
-    ///
-    /// # Errors
-    /// There is no such machine, or it teaches nothing.
-    pub fn designs(&self, stand: &Stand) -> Result<Vec<MonitorDesign>, StandError> {
-        let numbered = (0..).zip(&self.machines);
-        let taught = numbered.map(|(number, machine)| {
-            let mut rng = self.random(STREAMS + number);
-            let seeds = [rng.random(), rng.random()];
-            let learnt = stand.commission(*machine, true, &self.seas[..1], seeds, LESSONS)?;
-            is_complete(&learnt.design)?;
-            Ok(learnt.design)
-        });
-        taught.collect()
-    }
-
-    /// Does one job on `stand`.
-    ///
-    /// # Errors
-    /// There is no such machine, or no place for such a fault on it.
-    pub fn run(&self, stand: &Stand, job: ProcessJob) -> Result<ProcessProduct, StandError> {
+    fn run(
+        &self,
+        stand: &Stand,
+        taught: &[MonitorDesign],
+        job: ProcessJob,
+    ) -> Result<ProcessProduct, StandError> {
         Ok(match job {
             ProcessJob::Faulty { machine, case, number } => {
                 // All cases are tried on the same machines at the same times.
-                let mut rng = self.random(STREAMS + NUMBERS + u64::from(number));
-                let sea = self.sea(number);
-                let case = &CASES[case];
-                ProcessProduct::Faulty(stand.ailing(
-                    self.machines[machine],
-                    machine,
-                    sea,
-                    case,
-                    &mut rng,
-                )?)
+                let mut rng = random(self.seed, STREAMS + NUMBERS + u64::from(number));
+                let (of, sea) = ((self.machines[machine], &taught[machine]), self.sea(number));
+                let outcomes = stand.ailing(of, sea, &CASES[case], &mut rng)?;
+                ProcessProduct::Faulty { machine, case, number, outcomes }
             }
             ProcessJob::Quiet { machine, number } => {
                 let stream = STREAMS + (2 + machine as u64) * NUMBERS + u64::from(number);
-                let mut rng = self.random(stream);
-                let sea = self.sea(number);
-                ProcessProduct::Quiet(stand.hale(self.machines[machine], machine, sea, &mut rng)?)
+                let (of, sea) = ((self.machines[machine], &taught[machine]), self.sea(number));
+                let quiet = stand.hale(of, sea, &mut random(self.seed, stream))?;
+                ProcessProduct::Quiet { machine, quiet }
             }
         })
     }
 
-    fn sea(&self, number: u32) -> [f64; 2] {
-        self.seas[number as usize % self.seas.len()]
+    fn gather(&self, _: &Stand, gathered: &mut ProcessGathered, product: ProcessProduct) {
+        gathered.add(product);
     }
 
-    fn random(&self, stream: u64) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(stream);
-        rng
+    fn figures(&self, _: &Stand, _: &[MonitorDesign], gathered: ProcessGathered) -> ProcessResult {
+        gathered.result(&self.machines)
     }
 }
 

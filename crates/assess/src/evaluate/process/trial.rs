@@ -1,27 +1,23 @@
 //! One machine with a fault, or without.
 
-use super::cases::ProcessCase;
-use super::{ProcessMachine, STRETCH};
+use super::cases::{ProcessCase, STRETCH};
+use crate::evaluate::machines::{ProcessMachine, varied};
 use crate::evaluate::stand::{Stand, StandError};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tertius_core::alarm::detector::PLACES;
 use tertius_core::alarm::{Detector, State, Warning};
-use tertius_core::monitor::{Monitor, Sink};
+use tertius_core::monitor::{Monitor, MonitorDesign, Sink};
 use tertius_core::process::ProcessParameters;
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::{Fault as Kind, Suspect};
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, place};
 use tertius_machine::plant::{Ailment, CYLINDERS};
-use tertius_machine::simulator::{Change, EPOCH, Options, Simulator};
+use tertius_machine::simulator::{EPOCH, Options, Simulator};
 
 /// Time from when the detectors judge until the earliest fault, and within which the faults begin, s.
 const LEAD: f64 = 12.0;
 const SPREAD: f64 = 3.0;
-
-/// Loads and friction of healthy machines, as factors of the usual.
-const LOADS: [f64; 2] = [0.7, 1.3];
-const FRICTIONS: [f64; 2] = [1.0, 1.1];
 
 /// What was said of one fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,11 +56,10 @@ impl Sink for Listener {
 }
 
 impl Stand<'_> {
-    /// Plays a machine with the fault of `case` on every cylinder.
+    /// Plays a machine with the fault of `case` on every cylinder, watched by a monitor of that design.
     pub(super) fn ailing(
         &self,
-        machine: ProcessMachine,
-        index: usize,
+        (machine, design): (ProcessMachine, &MonitorDesign),
         sea: [f64; 2],
         case: &ProcessCase,
         rng: &mut ChaCha8Rng,
@@ -99,7 +94,7 @@ impl Stand<'_> {
         let options = Options { seed, sea, ailments, faults, in_loop: true, ..Options::default() };
         let mut simulator =
             self.lagging((machine.grade, true), Some(machine.lag), None, &options)?;
-        let warnings = self.watched(&mut simulator, index, begin + SPREAD + case.watch);
+        let warnings = self.watched(&mut simulator, design, begin + SPREAD + case.watch);
         let outcome = |(n, drawn): (u8, &(f64, f64))| outcome(case, &warnings, n, *drawn);
         Ok(chosen().map(outcome).collect())
     }
@@ -107,8 +102,7 @@ impl Stand<'_> {
     /// Plays a healthy machine with another load and friction.
     pub(super) fn hale(
         &self,
-        machine: ProcessMachine,
-        index: usize,
+        (machine, design): (ProcessMachine, &MonitorDesign),
         sea: [f64; 2],
         rng: &mut ChaCha8Rng,
     ) -> Result<ProcessQuiet, StandError> {
@@ -116,13 +110,18 @@ impl Stand<'_> {
         let changed = Some(varied(rng));
         let mut simulator =
             self.lagging((machine.grade, true), Some(machine.lag), changed, &options)?;
-        let warnings = self.watched(&mut simulator, index, STRETCH);
+        let warnings = self.watched(&mut simulator, design, STRETCH);
         let raised = |it: &&Warning| is_process(it) && it.state == State::Raised;
         Ok(ProcessQuiet { raises: warnings.iter().filter(raised).count() as u64 })
     }
 
-    fn watched(&self, simulator: &mut Simulator, index: usize, seconds: f64) -> Vec<Warning> {
-        let mut monitor = Monitor::new(self.taught[index].clone());
+    fn watched(
+        &self,
+        simulator: &mut Simulator,
+        design: &MonitorDesign,
+        seconds: f64,
+    ) -> Vec<Warning> {
+        let mut monitor = Monitor::new(design.clone());
         let mut listener = Listener::default();
         for _ in 0..self.cycles(seconds) {
             simulator.step(&mut |frame| monitor.take(frame, &mut listener));
@@ -132,14 +131,7 @@ impl Stand<'_> {
     }
 }
 
-/// The load of a healthy machine, and the factor of its friction.
-pub fn varied(rng: &mut ChaCha8Rng) -> (Change, f64) {
-    let part = rng.random_range(LOADS[0]..LOADS[1]);
-    let friction = rng.random_range(FRICTIONS[0]..FRICTIONS[1]);
-    (Change { time: [0.0, 1e9], part }, friction)
-}
-
-pub fn is_process(warning: &Warning) -> bool {
+fn is_process(warning: &Warning) -> bool {
     warning.detector == Detector::Process
 }
 

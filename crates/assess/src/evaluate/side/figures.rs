@@ -1,8 +1,9 @@
 //! Figures of the drifts in the loop.
 
-use super::trial::SideOutcome;
-use super::{CASES, STRETCH, SideCase, SideJob, SideProduct, SideStudy};
-use crate::evaluate::process::{ProcessMachine, percentiles};
+use super::cases::{CASES, STRETCH, SideCase};
+use super::trial::{SideOutcome, SideQuiet};
+use crate::evaluate::figures::quantiles;
+use crate::evaluate::machines::ProcessMachine;
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
 use serde::Serialize;
@@ -24,7 +25,7 @@ pub struct SideFigures {
     pub transducer: &'static str,
     /// m/s.
     pub rate: f64,
-    /// Drifts of which the right transducer was named before [`super::IN_TIME`].
+    /// Drifts of which the right transducer was named before [`super::cases::IN_TIME`].
     pub named: Proportion,
     /// Median and 95th percentile of how far they had drifted then, m.
     pub at: Option<[f64; 2]>,
@@ -47,40 +48,48 @@ pub struct SideHealthy {
     pub named: Rate,
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct SideGathering<'a> {
-    study: &'a SideStudy,
+/// What became of a trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SideProduct {
+    /// The drift of that index of [`CASES`] on the machine of that index.
+    Drift {
+        machine: usize,
+        case: usize,
+        number: u32,
+        outcomes: Vec<SideOutcome>,
+    },
+    Quiet {
+        machine: usize,
+        quiet: SideQuiet,
+    },
+}
+
+/// Products so far.
+#[derive(Clone, Debug, Default)]
+pub struct SideGathered {
     drifts: BTreeMap<(usize, usize, u32), Vec<SideOutcome>>,
     /// Stretches, false alarms in them, and those that named a transducer.
     quiet: BTreeMap<usize, [u64; 3]>,
 }
 
-impl<'a> SideGathering<'a> {
-    pub const fn new(study: &'a SideStudy) -> Self {
-        Self { study, drifts: BTreeMap::new(), quiet: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: SideJob, product: SideProduct) {
-        match (job, product) {
-            (SideJob::Drift { machine, case, number }, SideProduct::Drift(outcomes)) => {
+impl SideGathered {
+    pub(super) fn add(&mut self, product: SideProduct) {
+        match product {
+            SideProduct::Drift { machine, case, number, outcomes } => {
                 self.drifts.insert((machine, case, number), outcomes);
             }
-            (SideJob::Quiet { machine, .. }, SideProduct::Quiet(quiet)) => {
+            SideProduct::Quiet { machine, quiet } => {
                 let [stretches, raises, named] = self.quiet.entry(machine).or_default();
                 *stretches += 1;
                 *raises += quiet.raises;
                 *named += quiet.named;
             }
-            // A job brings what it is.
-            (SideJob::Drift { .. } | SideJob::Quiet { .. }, _) => {}
         }
     }
 
-    /// The figures of every drift on every machine.
-    pub fn finish(&self) -> SideResult {
-        let machines = || self.study.machines.iter().enumerate();
+    /// The figures of every drift on every one of `machines`.
+    pub(super) fn result(&self, machines: &[ProcessMachine]) -> SideResult {
+        let machines = || machines.iter().enumerate();
         let drifts = machines().flat_map(|(index, machine)| {
             CASES.iter().enumerate().filter_map(move |(number, case)| {
                 let own =
@@ -108,7 +117,7 @@ impl<'a> SideGathering<'a> {
 impl SideFigures {
     fn of(machine: &ProcessMachine, case: &SideCase, outcomes: &[SideOutcome]) -> Self {
         let of = |value: fn(&SideOutcome) -> Option<f64>| {
-            percentiles(outcomes.iter().filter_map(value).collect(), 0.5)
+            quantiles(outcomes.iter().filter_map(value).collect(), [0.5, 0.95])
         };
         Self {
             grade: machine.grade.name(),

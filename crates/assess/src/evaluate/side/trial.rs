@@ -1,7 +1,7 @@
 //! One machine whose transducers drift, or without a fault.
 
-use super::{IN_TIME, STRETCH, SideCase};
-use crate::evaluate::process::{ProcessMachine, is_process, varied};
+use super::cases::{IN_TIME, STRETCH, SideCase};
+use crate::evaluate::machines::{ProcessMachine, varied};
 use crate::evaluate::stand::{Stand, StandError};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -86,7 +86,8 @@ impl Stand<'_> {
         let mut simulator =
             self.lagging((machine.grade, false), Some(machine.lag), changed, &options)?;
         let warnings = self.heard(&mut simulator, design, STRETCH);
-        let own = |it: &&Warning| is_process(it) || it.detector == Detector::Sequential;
+        let own =
+            |it: &&Warning| it.detector == Detector::Process || it.detector == Detector::Sequential;
         let raised = warnings.iter().filter(own).filter(|it| it.state == State::Raised).count();
         let named = |it: &&Warning| {
             it.detector == Detector::Sequential
@@ -136,7 +137,7 @@ fn outcome(case: &SideCase, warnings: &[Warning], cylinder: u8, at: f64) -> Side
             said().filter(of_sequential).any(|it| blames(innocent)(&it)),
             said().any(|it| blames(innocent)(&it)),
         ],
-        process: said().any(is_process),
+        process: said().any(|it| it.detector == Detector::Process),
         spoilt: standing > 0,
     }
 }

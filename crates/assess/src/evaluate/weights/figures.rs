@@ -1,14 +1,14 @@
 //! Figures of the weights.
 
-use super::trial::STRETCH;
-use super::{FAULTS, Faulty, QuietMachine, TransducerKind, Weighing, WeightsJob, WeightsProduct};
+use super::cases::{FAULTS, TransducerKind};
+use super::trial::{Faulty, QuietMachine, STRETCH};
+use crate::evaluate::fault::shape_label;
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
-use crate::evaluate::row::label;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use tertius_learn::extremes::{HOURS_PER_YEAR, Maxima, Tail, common_level, per_second};
-use tertius_learn::tune::LEAST_HIGH;
+use tertius_learn::tune::{LEAST_HIGH, Weights};
 
 /// Rates of false alarms for which thresholds are computed: one an hour, one a day, one a year.
 const RATES: [f64; 3] = [HOURS_PER_YEAR, HOURS_PER_YEAR / 24.0, 1.0];
@@ -49,52 +49,62 @@ pub struct SeenFault {
     pub found: Proportion,
 }
 
-/// Collects the results of the jobs, in any order.
-#[derive(Clone, Debug)]
-pub struct WeightsGathering<'a> {
-    weighing: &'a Weighing,
+/// What became of a trial, for each set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WeightsProduct {
+    Faulty { kind: TransducerKind, fault: usize, number: u32, sets: Vec<Faulty> },
+    Quiet { kind: TransducerKind, number: u32, sets: Vec<QuietMachine> },
+}
+
+/// Products so far.
+#[derive(Clone, Debug, Default)]
+pub struct WeightsGathered {
     quiet: BTreeMap<(TransducerKind, u32), Vec<QuietMachine>>,
     faulty: BTreeMap<(TransducerKind, usize, u32), Vec<Faulty>>,
 }
 
-impl<'a> WeightsGathering<'a> {
-    pub const fn new(weighing: &'a Weighing) -> Self {
-        Self { weighing, quiet: BTreeMap::new(), faulty: BTreeMap::new() }
-    }
-
-    /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: WeightsJob, product: WeightsProduct) {
-        match (job, product) {
-            (WeightsJob::Quiet { kind, number }, WeightsProduct::Quiet(quiet)) => {
-                self.quiet.insert((kind, number), quiet);
+impl WeightsGathered {
+    pub(super) fn add(&mut self, product: WeightsProduct) {
+        match product {
+            WeightsProduct::Quiet { kind, number, sets } => {
+                self.quiet.insert((kind, number), sets);
             }
-            (WeightsJob::Faulty { kind, fault, number }, WeightsProduct::Faulty(faulty)) => {
-                self.faulty.insert((kind, fault, number), faulty);
+            WeightsProduct::Faulty { kind, fault, number, sets } => {
+                self.faulty.insert((kind, fault, number), sets);
             }
-            // A job brings what it is.
-            (WeightsJob::Quiet { .. } | WeightsJob::Faulty { .. }, _) => {}
         }
     }
+}
 
-    /// The result for every kind and set; `block` is the length of a block of judged time, s.
-    pub fn finish(&self, block: f64) -> Vec<SetResult> {
-        let sets = || 0..self.weighing.sets.len();
-        let kinds = self.weighing.kinds.iter();
-        kinds.flat_map(|kind| sets().map(move |set| self.result(*kind, set, block))).collect()
+/// Products, and what their figures depend on.
+pub(super) struct Results<'a> {
+    pub gathered: &'a WeightsGathered,
+    pub sets: &'a [Weights],
+    /// Number of cylinders that are monitored.
+    pub cylinders: usize,
+    /// Length of a block of judged time, s.
+    pub block: f64,
+}
+
+impl Results<'_> {
+    /// The result for every set on transducers of `kind`.
+    pub fn of_kind(&self, kind: TransducerKind) -> Vec<SetResult> {
+        (0..self.sets.len()).map(|set| self.result(kind, set)).collect()
     }
 
-    fn result(&self, kind: TransducerKind, set: usize, block: f64) -> SetResult {
+    fn result(&self, kind: TransducerKind, set: usize) -> SetResult {
         let quiet: Vec<&QuietMachine> = self
+            .gathered
             .quiet
             .iter()
             .filter(|((of, _), _)| *of == kind)
             .map(|(_, sets)| &sets[set])
             .collect();
-        let residuals = 2 * usize::from(self.weighing.cylinders);
-        let levels = tails(&quiet, residuals, block)
+        let residuals = 2 * self.cylinders;
+        let levels = tails(&quiet, residuals, self.block)
             .map(|tails| RATES.map(|per_year| common_level(&tails, per_second(per_year))));
         let hours = quiet.len() as f64 * STRETCH / 3600.0;
-        let weights = self.weighing.sets[set];
+        let weights = self.sets[set];
         let thresholds = [Some(LEAST_HIGH), levels.map(|[_, daily, _]| daily)];
         SetResult {
             kind: kind.name(),
@@ -109,14 +119,16 @@ impl<'a> WeightsGathering<'a> {
 
     fn seen(&self, kind: TransducerKind, set: usize, high: f64) -> Seen {
         let fault = |(index, (shape, within)): (usize, &_)| {
-            let own =
-                self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
-            let cylinders = usize::from(self.weighing.cylinders);
+            let own = self
+                .gathered
+                .faulty
+                .iter()
+                .filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
             let peaks: Vec<f64> =
-                own.flat_map(|(_, sets)| sets[set].0.into_iter().take(cylinders)).collect();
+                own.flat_map(|(_, sets)| sets[set].0.into_iter().take(self.cylinders)).collect();
             let found = peaks.iter().filter(|peak| **peak > high).count();
             let found = Proportion::new(found as u64, peaks.len() as u64);
-            SeenFault { label: label(*shape), within: *within, found }
+            SeenFault { label: shape_label(*shape), within: *within, found }
         };
         Seen { high, faults: FAULTS.iter().enumerate().map(fault).collect() }
     }

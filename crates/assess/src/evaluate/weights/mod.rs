@@ -6,77 +6,35 @@
 //! threshold, and a result from a calm sea does not hold in a rough one, so the seas are tried in
 //! turn and judged together.
 
+mod cases;
 mod figures;
 mod trial;
 
-pub use figures::{Seen, SetResult, WeightsGathering};
+pub use cases::{FAULTS, MOST, SETS, TransducerKind};
+pub use figures::{Seen, SetResult, WeightsGathered, WeightsProduct};
 pub use trial::{Faulty, QuietMachine};
 
-use super::grade::Grade;
-use super::row::SIGMA;
+use super::extent::{Extent, StudyName};
+use super::random::random;
 use super::stand::{Stand, StandError};
-use rand::{RngExt, SeedableRng};
+use super::study::Study;
+use crate::flaws::listed;
+use figures::Results;
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tertius_config::design::{self, Flaw};
-use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
-use tertius_dbc::Database;
-use tertius_learn::tune::criterion::{INCIPIENT, STEP};
 use tertius_learn::tune::{LEAST_HIGH, Weights};
-use tertius_machine::inject::{Shape, Wanted};
-
-/// Sets that are tried when the command line names none: of the thesis's design, of fine and of
-/// coarse transducers, and a slow one.
-pub const SETS: [Weights; 4] = [
-    Weights { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2] },
-    Weights { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0] },
-    Weights { q: [1e-8, 3e-5, 2e3], r: [1e-8, 1.0] },
-    Weights { q: [1e-9, 1e-6, 100.0], r: [1e-8, 1e-2] },
-];
-
-/// Most sets: each has its monitor on every machine.
-pub const MOST: usize = 32;
-
-/// Faults that are tried, and how long each is watched by the observer of its transducer, s: 0 is
-/// the faulty reading alone.
-pub const FAULTS: [(Shape, f64); 5] = [
-    (Shape::Step { size: STEP }, 0.0),
-    (Shape::Step { size: 1.25e-3 }, 0.0),
-    (Shape::Step { size: 1.5e-3 }, 0.0),
-    (Shape::Incipient { size: INCIPIENT.0, b: INCIPIENT.1 }, 0.1),
-    (Shape::Noise { size: SIGMA }, 10.0),
-];
+use tertius_machine::inject::Wanted;
+use trial::STRETCH;
 
 /// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 5 << 40;
 const NUMBERS: u64 = 1 << 20;
 
-/// Transducers, and whether their readings are off for a while now and then, as in Figure 5-9.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum TransducerKind {
-    Steady,
-    Fluctuating,
-    Coarse,
-}
-
-impl TransducerKind {
-    pub const ALL: [Self; 3] = [Self::Steady, Self::Fluctuating, Self::Coarse];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Steady => "fine",
-            Self::Fluctuating => "fine, fluctuating",
-            Self::Coarse => "coarse",
-        }
-    }
-
-    const fn of_grade(self) -> Grade {
-        match self {
-            Self::Steady | Self::Fluctuating => Grade::Fine,
-            Self::Coarse => Grade::Coarse,
-        }
-    }
-}
+/// The study of the observers' weights.
+const WEIGHTS: StudyName =
+    StudyName::slow("weights", "Weights of the observers, each with its own thresholds");
 
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,35 +67,53 @@ pub enum WeightsJob {
     },
 }
 
-/// Result of a job, for each set.
-#[derive(Clone, Debug, PartialEq)]
-pub enum WeightsProduct {
-    Faulty(Vec<Faulty>),
-    Quiet(Vec<QuietMachine>),
+impl Weighing {
+    fn random(&self, stream: u64, number: u32) -> ChaCha8Rng {
+        random(self.seed, STREAMS + stream * NUMBERS + u64::from(number))
+    }
 }
 
-impl Weighing {
-    /// The monitors of all sets, with the thesis's thresholds and otherwise as in `settings`.
-    ///
-    /// # Errors
-    /// The flaws of the first set that has no observer.
-    pub fn designs(
-        &self,
-        settings: &Settings,
-        database: &Database,
-    ) -> Result<Vec<MonitorDesign>, Vec<Flaw>> {
-        let design = |weights: &Weights| {
-            let mut settings = settings.clone();
-            (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
-            (settings.fde.high, settings.fde.low) = (LEAST_HIGH, 0.75 * LEAST_HIGH);
-            design::judging(&settings, database)
-        };
-        self.sets.iter().map(design).collect()
+impl Study for Weighing {
+    const NAMES: &'static [StudyName] = &[WEIGHTS];
+    type Job = WeightsJob;
+    /// The monitor of a set, with the thesis's thresholds and otherwise as configured.
+    type Taught = MonitorDesign;
+    type Product = WeightsProduct;
+    type Gathered = WeightsGathered;
+    type Figures = Vec<SetResult>;
+
+    fn planned(seed: u64, extent: &Extent) -> Option<Self> {
+        extent.asks(WEIGHTS).then(|| Self {
+            kinds: TransducerKind::ALL.to_vec(),
+            sets: extent.weights.clone(),
+            seas: extent.seas.clone(),
+            trials: extent.trials,
+            hours: extent.hours * extent.seas.len() as f64,
+            seed,
+            cylinders: extent.cylinders,
+        })
     }
 
-    /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<WeightsJob> {
-        let stretches = (self.hours * 3600.0 / trial::STRETCH).ceil() as u32;
+    /// A set may have no observer.
+    fn check(&self, stand: &Stand) -> Result<(), StandError> {
+        (0..self.lessons()).try_for_each(|set| self.teach(stand, set).map(drop))
+    }
+
+    fn lessons(&self) -> usize {
+        self.sets.len()
+    }
+
+    fn teach(&self, stand: &Stand, lesson: usize) -> Result<MonitorDesign, StandError> {
+        let (mut settings, weights) = (stand.settings.clone(), self.sets[lesson]);
+        (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
+        (settings.fde.high, settings.fde.low) = (LEAST_HIGH, 0.75 * LEAST_HIGH);
+        let refused = |flaws: Vec<Flaw>| format!("--weights: {}", listed(&flaws));
+        let design = design::judging(&settings, stand.database);
+        design.map_err(|flaws| StandError::Refused(refused(flaws)))
+    }
+
+    fn jobs(&self) -> Vec<WeightsJob> {
+        let stretches = (self.hours * 3600.0 / STRETCH).ceil() as u32;
         let machines = self.trials.div_ceil(u32::from(self.cylinders));
         let kinds = || self.kinds.iter().copied();
         let quiet = kinds()
@@ -150,31 +126,46 @@ impl Weighing {
         quiet.chain(faulty).collect()
     }
 
-    /// Does one job on `stand`, which has the monitors.
-    ///
-    /// # Errors
-    /// If the stand has no such machine.
-    pub fn run(&self, stand: &Stand, job: WeightsJob) -> Result<WeightsProduct, StandError> {
+    fn run(
+        &self,
+        stand: &Stand,
+        taught: &[MonitorDesign],
+        job: WeightsJob,
+    ) -> Result<WeightsProduct, StandError> {
         let sea = |number: u32| self.seas[number as usize % self.seas.len()];
         // The same machines and times of faults for every kind.
         Ok(match job {
             WeightsJob::Faulty { kind, fault, number } => {
                 let mut rng = self.random(1 + fault as u64, number);
                 let (shape, watch) = FAULTS[fault];
-                let wanted = Wanted::Shape(shape);
-                let faults = stand.seen(kind, sea(number), wanted, watch, &mut rng)?;
-                WeightsProduct::Faulty(faults)
+                let fault_of_all = (Wanted::Shape(shape), watch);
+                let sets = stand.seen(taught, kind, sea(number), fault_of_all, &mut rng)?;
+                WeightsProduct::Faulty { kind, fault, number, sets }
             }
             WeightsJob::Quiet { kind, number } => {
                 let seed = self.random(0, number).random();
-                WeightsProduct::Quiet(stand.unseen(kind, sea(number), seed)?)
+                let sets = stand.unseen(taught, kind, sea(number), seed)?;
+                WeightsProduct::Quiet { kind, number, sets }
             }
         })
     }
 
-    fn random(&self, stream: u64, number: u32) -> ChaCha8Rng {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(STREAMS + stream * NUMBERS + u64::from(number));
-        rng
+    fn gather(&self, _: &Stand, gathered: &mut WeightsGathered, product: WeightsProduct) {
+        gathered.add(product);
+    }
+
+    fn figures(
+        &self,
+        stand: &Stand,
+        _: &[MonitorDesign],
+        gathered: WeightsGathered,
+    ) -> Vec<SetResult> {
+        let results = Results {
+            gathered: &gathered,
+            sets: &self.sets,
+            cylinders: self.cylinders.into(),
+            block: stand.block(),
+        };
+        self.kinds.iter().flat_map(|kind| results.of_kind(*kind)).collect()
     }
 }

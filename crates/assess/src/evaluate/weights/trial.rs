@@ -1,14 +1,12 @@
 //! One machine that the monitors of all sets watch.
 
-use super::TransducerKind;
+use super::cases::TransducerKind;
 use crate::evaluate::grade::Grade;
-use crate::evaluate::plan::Cell;
-use crate::evaluate::row::{Row, Study};
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::Try;
+use crate::evaluate::tried::Try;
 use rand_chacha::ChaCha8Rng;
 use tertius_core::alarm::{Detector, State, Warning};
-use tertius_core::monitor::{Monitor, Record, Sink};
+use tertius_core::monitor::{Monitor, MonitorDesign, Record, Sink};
 use tertius_core::verdict::Suspect;
 use tertius_machine::inject::Wanted;
 use tertius_machine::plant::CYLINDERS;
@@ -92,9 +90,10 @@ impl Stand<'_> {
         }
     }
 
-    /// Watches the healthy machine of `seed` for one stretch with every set's monitor.
+    /// Watches the healthy machine of `seed` for one stretch with the monitor of every set.
     pub(super) fn unseen(
         &self,
+        sets: &[MonitorDesign],
         kind: TransducerKind,
         sea: [f64; 2],
         seed: u64,
@@ -107,7 +106,7 @@ impl Stand<'_> {
                 Listener { quiet: QuietMachine::default(), block, open: Default::default() };
             (Monitor::new(Clone::clone(design)), listener)
         };
-        let mut watching: Vec<_> = self.weighed.iter().map(listener).collect();
+        let mut watching: Vec<_> = sets.iter().map(listener).collect();
         for _ in 0..self.cycles(STRETCH) {
             simulator.step(&mut |frame| {
                 watching.iter_mut().for_each(|(monitor, listener)| monitor.take(frame, listener));
@@ -116,25 +115,23 @@ impl Stand<'_> {
         Ok(watching.into_iter().map(|(_, listener)| listener.quiet).collect())
     }
 
-    /// Watches a machine with a fault on one transducer of each cylinder with every set's monitor,
+    /// Watches a machine with a fault on one transducer of each cylinder with the monitor of every set,
     /// for `watch` seconds from the first faulty reading.
     pub(super) fn seen(
         &self,
+        sets: &[MonitorDesign],
         kind: TransducerKind,
         sea: [f64; 2],
-        wanted: Wanted,
-        watch: f64,
+        (wanted, watch): (Wanted, f64),
         rng: &mut ChaCha8Rng,
     ) -> Result<Vec<Faulty>, StandError> {
-        let cell = Cell { grade: kind.of_grade(), sea };
-        let row = Row { watch, ..Row::open(Study::Weights, cell, Some(wanted)) };
         let cylinders = self.settings.machine.cylinders;
-        let one = Try::draw(&row, 0, cylinders, self.settings.observer.settle, rng);
+        let one = Try::draw(Some(wanted), None, cylinders, self.settings.observer.settle, rng);
         let faults = self.placed(&one)?;
         let options = Options { seed: one.seed, sea: Some(sea), faults, ..Options::default() };
         let mut simulator = self.of_kind(kind, &options)?;
         let begin = |design: &_| (Monitor::new(Clone::clone(design)), Newest::default());
-        let mut watching: Vec<_> = self.weighed.iter().map(begin).collect();
+        let mut watching: Vec<_> = sets.iter().map(begin).collect();
         let mut seen = vec![Faulty::default(); watching.len()];
         let latest = one.faults.iter().map(|fault| fault.at).fold(0.0, f64::max);
         let (watched, mut since) = (self.cycles(watch), [0_u64; CYLINDERS]);

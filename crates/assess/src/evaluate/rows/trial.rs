@@ -1,90 +1,18 @@
 //! One simulated machine with its faults.
 
-use super::outcome::{IncidentOutcome, Outcome};
 use super::row::Row;
-use super::stand::{Stand, StandError};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use crate::evaluate::outcome::{IncidentOutcome, Outcome};
+use crate::evaluate::stand::{Stand, StandError};
+use crate::evaluate::tried::{TriedFault, Try};
 use tertius_core::alarm::Warning;
 use tertius_core::incident::Incident;
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::time::{Span, Timestamp};
-use tertius_core::verdict::Suspect;
-use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{Options, Simulator};
 
-/// Time from when the observers have settled until the earliest fault, s.
-const LEAD: f64 = 3.0;
-
-/// Span of time within which all faults begin, s.
-const SPREAD: f64 = 1.0;
-
 /// Time at the end of a watch in which C1 is compared with its twin's, s.
 const AT_LAST: f64 = 1.0;
-
-/// A fault that is tried.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriedFault {
-    /// Cylinder number, counted from 1.
-    pub cylinder: u8,
-    /// The faulty transducer, C1 or C2.
-    pub transducer: Suspect,
-    /// The fault with its sign; `None`: nothing happens.
-    pub wanted: Option<Wanted>,
-    /// Time of the fault after the first frame, s.
-    pub at: f64,
-}
-
-/// A machine and its faults.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Try {
-    pub seed: u64,
-    pub faults: Vec<TriedFault>,
-}
-
-impl Try {
-    /// Draws a trial of `row` on a machine of so many `cylinders` from `rng`; `settle` is how long the observers
-    /// take to settle, s. Rows that differ only in kind and size draw the same trial.
-    pub fn draw(row: &Row, number: u32, cylinders: u8, settle: f64, rng: &mut ChaCha8Rng) -> Self {
-        let seed = rng.random();
-        let alone = row.is_alone();
-        let count = u32::from(cylinders);
-        let chosen = (0..count).filter(|index| !alone || number % count == *index);
-        let faults = chosen
-            .map(|index| {
-                let at = settle + LEAD + SPREAD * rng.random::<f64>();
-                let second = rng.random::<bool>() && !alone;
-                let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
-                TriedFault {
-                    cylinder: index as u8 + 1,
-                    transducer: if second { Suspect::C2 } else { Suspect::C1 },
-                    wanted: row.wanted.map(|wanted| signed(wanted, sign)),
-                    at,
-                }
-            })
-            .collect();
-        Self { seed, faults }
-    }
-}
-
-/// `wanted`, towards the other side where `sign` is −1.
-pub(super) fn signed(wanted: Wanted, sign: f64) -> Wanted {
-    let Wanted::Shape(shape) = wanted else { return wanted };
-    Wanted::Shape(match shape {
-        Shape::Step { size } => Shape::Step { size: sign * size },
-        Shape::Incipient { size, b } => Shape::Incipient { size: sign * size, b },
-        Shape::Drift { rate } => Shape::Drift { rate: sign * rate },
-        Shape::Scale { gain } => Shape::Scale { gain: sign * gain },
-        Shape::Spike { size, probability } => Shape::Spike { size: sign * size, probability },
-        // Noise has no side, and what is gone neither.
-        Shape::Noise { .. }
-        | Shape::Freeze
-        | Shape::Constant(_)
-        | Shape::Stale
-        | Shape::Loss { .. } => shape,
-    })
-}
 
 /// Hears the monitor.
 #[derive(Default)]
@@ -193,17 +121,6 @@ impl Stand<'_> {
                 }
             })
             .collect())
-    }
-
-    pub(super) fn placed(&self, one: &Try) -> Result<Vec<Placed>, StandError> {
-        let wanted = one.faults.iter().filter_map(|tried| Some((tried, tried.wanted?)));
-        let placed = wanted.map(|(tried, wanted)| {
-            let window = Window { from: Span::from_seconds(tried.at), until: None };
-            let (cylinder, sensor) = (tried.cylinder, tried.transducer.name());
-            let fault = Fault { cylinder, sensor, wanted, window };
-            Ok(place(&fault, self.settings, self.database)?)
-        });
-        placed.collect()
     }
 }
 

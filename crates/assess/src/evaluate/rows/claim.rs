@@ -1,7 +1,7 @@
 //! What the thesis says of its faults (section 5-4), and whether it holds.
 
-use super::outcome::Outcome;
-use super::proportion::Proportion;
+use crate::evaluate::outcome::Outcome;
+use crate::evaluate::proportion::Proportion;
 use serde::Serialize;
 
 /// A claim of the thesis about the residual of the faulty transducer's own observer.
