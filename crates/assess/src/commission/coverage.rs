@@ -1,6 +1,6 @@
 //! What a longer recording would add, and where on the stroke.
 
-use super::stages::Taught;
+use super::taught::Taught;
 use tertius_core::sequential::Reference;
 use tertius_core::sequential::reference::LARGEST_DOUBT;
 use tertius_core::sequential::wild::Outliers;

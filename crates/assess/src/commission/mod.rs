@@ -5,9 +5,10 @@
 //!      └──→ the same without every third block ─→ trial ────┴─→ verdict
 //! ```
 //!
-//! - [`stages`]: the three rooms that learn, each with the tables of the one before ([`Taught`]).
+//! - `stages.rs`: the three rooms that learn, each with the tables of the one before ([`Taught`]), which also has the
+//!   detectors that are left out, because no threshold of them would be of use.
 //! - [`holding`]: what is held back from learning: the blocks of the trial, and places with a fault.
-//! - [`off`]: detectors that are left out, because no threshold of them would be of use.
+//! - `off.rs`: process detectors that are left out, because they warn in the trial.
 //! - [`trial`]: the monitor on blocks that its tables do not know: what it reports of a healthy machine,
 //!   and of [`faults`] that are put into them.
 //! - [`coverage`]: what a longer recording would add, and where on the stroke.
@@ -18,40 +19,23 @@
 pub mod coverage;
 pub mod faults;
 pub mod holding;
-pub mod off;
+mod off;
 mod shortness;
-pub mod stages;
+mod stages;
+mod task;
+mod taught;
 pub mod trial;
 pub mod verdict;
 
 pub use coverage::Coverage;
-pub use off::{LeftOut, Threshold};
-pub use stages::{Refused, Stage, Taught};
+pub use task::Task;
+pub use taught::{LeftOut, Refused, Stage, Taught, Threshold};
 pub use trial::Trial;
 pub use verdict::{Fitness, Verdict};
 
 use holding::Blocks;
 use stages::Lesson;
-use tertius_dbc::Database;
-use tertius_learn::calibrate::Cuts;
-use tertius_learn::survey::{Frames, Origin};
-
-/// A machine to be commissioned.
-#[derive(Clone, Copy, Debug)]
-pub struct Task<'a> {
-    /// Name of the configuration in messages.
-    pub name: &'a str,
-    /// Text of the configuration before commissioning.
-    pub text: &'a str,
-    pub database: &'a Database,
-    pub origin: &'a Origin,
-    /// Times at which each cylinder is known not to be healthy, s; nothing is learnt from them.
-    pub cuts: &'a Cuts,
-    /// Wanted false alarms a year: of R1 and R2, of R3, and of the sequential detectors.
-    pub per_year: f64,
-    /// Version of the program, which is written into the tables.
-    pub version: &'a str,
-}
+use tertius_learn::survey::Frames;
 
 /// Result of a [`Task`].
 #[derive(Clone, Debug)]

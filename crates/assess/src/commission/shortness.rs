@@ -1,6 +1,6 @@
 //! Whether a recording is too short to calibrate a cylinder, which is then not said to be unhealthy.
 
-use super::stages::Taught;
+use super::taught::Taught;
 use tertius_learn::calibrate::{ENOUGH, too_short};
 
 impl Taught {

@@ -1,100 +1,21 @@
 //! The three stages that learn, each with the tables of the one before.
 
-use super::Task;
 use super::holding::{Blocks, Without};
-use super::off::{LeftOut, Threshold};
-use std::fmt;
-use tertius_config::design::{self, Flaw};
+use super::task::Task;
+use super::taught::{Stage, Taught, Threshold};
+use crate::flaws::listed;
+use tertius_config as config;
+use tertius_config::design;
 use tertius_config::settings::Settings;
-use tertius_config::{self as config, MachineNames, edit};
 use tertius_core::monitor::MonitorDesign;
 use tertius_learn::calibrate;
 use tertius_learn::calibrate::{Calibration, Cuts};
 use tertius_learn::identify;
-use tertius_learn::identify::Outcome;
 use tertius_learn::identify::course::Options;
 use tertius_learn::survey::{Frames, Recording, Rows};
 use tertius_learn::tables;
 use tertius_learn::tune;
-use tertius_learn::tune::Tuning;
 use tertius_learn::tune::course::{SIGMA, Untuned};
-
-/// One of the three stages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    Identify,
-    Calibrate,
-    Tune,
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Identify => "identify",
-            Self::Calibrate => "calibrate",
-            Self::Tune => "tune",
-        })
-    }
-}
-
-/// A cylinder from which nothing is learnt.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
-    /// Cylinder number, counted from 1.
-    pub cylinder: u8,
-    pub by: Stage,
-    pub why: String,
-}
-
-/// Result of the stages.
-#[derive(Clone, Debug, Default)]
-pub struct Taught {
-    pub machine: String,
-    /// How its cylinders are called.
-    pub names: MachineNames,
-    /// Text of the configuration with all tables up to the stage that failed.
-    pub text: String,
-    pub identification: Option<Outcome>,
-    pub calibration: Option<Calibration>,
-    pub tuning: Option<Tuning>,
-    pub refused: Vec<Refused>,
-    pub left_out: Vec<LeftOut>,
-    /// Why the model says nothing of this machine, so that no observer can judge by it.
-    pub does_not_follow: Option<String>,
-    /// The stage that failed, and why; later stages were not tried.
-    pub failed: Option<(Stage, String)>,
-}
-
-impl Taught {
-    /// Whether every stage succeeded.
-    pub const fn is_whole(&self) -> bool {
-        self.failed.is_none() && self.tuning.is_some()
-    }
-
-    /// Times that the calibration left out because no healthy cylinder reads so.
-    pub fn cuts(&self) -> Cuts {
-        self.calibration.as_ref().map(Calibration::cuts).unwrap_or_default()
-    }
-
-    /// The cylinders that were refused, in order, each once.
-    pub fn refused_cylinders(&self) -> Vec<u8> {
-        let mut cylinders: Vec<u8> = self.refused.iter().map(|refused| refused.cylinder).collect();
-        cylinders.sort_unstable();
-        cylinders.dedup();
-        cylinders
-    }
-
-    fn refuse(&mut self, by: Stage, refusals: Vec<(u8, String)>) {
-        let refused = refusals.into_iter().map(|(cylinder, why)| Refused { cylinder, by, why });
-        self.refused.extend(refused);
-    }
-
-    pub(super) fn put(&mut self, tables: &str, anew: &[&str]) -> Result<(), String> {
-        let text = edit::put(&self.text, tables, anew);
-        self.text = text.map_err(|error| format!("the configuration cannot be edited: {error}"))?;
-        self.keep_left_out()
-    }
-}
 
 /// Gives the stages the frames that are not held back.
 #[derive(Debug)]
@@ -205,7 +126,7 @@ impl<F: Frames> Lesson<'_, F> {
         let failed = |why| Stopped::Failed(Stage::Tune, why);
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, database, .. } = *self.task;
-        design::judging(&settings, database).map_err(|flaws| failed(told(&flaws)))?;
+        design::judging(&settings, database).map_err(|flaws| failed(listed(&flaws)))?;
         let course = tune::course::TuningCourse {
             settings: &settings,
             design: &design,
@@ -233,7 +154,7 @@ impl<F: Frames> Lesson<'_, F> {
     fn machine(&self, taught: &Taught) -> Result<(Settings, MonitorDesign), String> {
         let Task { name, database, .. } = *self.task;
         let (settings, _) = config::parse(name, &taught.text).map_err(|it| it.to_string())?;
-        let design = design::surveying(&settings, database).map_err(|flaws| told(&flaws))?;
+        let design = design::surveying(&settings, database).map_err(|flaws| listed(&flaws))?;
         Ok((settings, design))
     }
 
@@ -248,59 +169,10 @@ impl<F: Frames> Lesson<'_, F> {
     }
 }
 
-/// The flaws of a design, on one line.
-pub(super) fn told(flaws: &[Flaw]) -> String {
-    let told = flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message));
-    told.collect::<Vec<_>>().join("; ")
-}
-
 /// Message that no cylinder is left, and why.
 fn nothing(taught: &Taught, what: &str) -> String {
     match taught.refused.len() {
         0 => what.to_owned(),
         _ => format!("{what}, as every cylinder is refused"),
-    }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use tertius_learn::calibrate::{CalibrationRefusal, CylinderCalibration};
-    use tertius_learn::relate::LearntProcess;
-    use tertius_learn::survey::{Timeline, Window};
-
-    pub fn cylinder(number: u8) -> CylinderCalibration {
-        CylinderCalibration {
-            sample_time: 0.02,
-            number,
-            result: Err(CalibrationRefusal::NoSecond),
-            tried: None,
-            sequential: None,
-            level: None,
-            contradiction: None,
-            process: Some(LearntProcess {
-                number,
-                spool: None,
-                chambers: None,
-                flow: None,
-                friction: None,
-            }),
-            left_out: Vec::new(),
-            remarks: Vec::new(),
-        }
-    }
-
-    pub fn calibration(cylinders: Vec<CylinderCalibration>) -> Calibration {
-        Calibration {
-            machine: String::new(),
-            inputs: String::new(),
-            timeline: Timeline::default(),
-            fitted: Window::ALL,
-            tried: Window::ALL,
-            cylinders,
-            bound: None,
-            supply: None,
-            remarks: Vec::new(),
-        }
     }
 }

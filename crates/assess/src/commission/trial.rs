@@ -5,11 +5,12 @@
 //! begins the monitor is copied. The copy continues with the fault and the original without it, so
 //! faults do not disturb each other and nothing has to recover from one.
 
-use super::Task;
 use super::faults::{self, FaultKind, Planned};
 use super::holding::Blocks;
-use super::stages::{Taught, told};
+use super::task::Task;
+use super::taught::Taught;
 use crate::evaluate::{Blame, Outcome};
+use crate::flaws::listed;
 use tertius_config as config;
 use tertius_config::design;
 use tertius_core::alarm::{Detector, State, Warning};
@@ -143,7 +144,7 @@ impl Course<'_> {
         let Task { name, database, origin, .. } = *self.task;
         let (settings, _) = config::parse(name, &self.rehearsal.text).ok()?;
         let design = design::judging(&settings, database);
-        debug_assert!(design.is_ok(), "{}", told(&design.clone().err().unwrap_or_default()));
+        debug_assert!(design.is_ok(), "{}", listed(&design.clone().err().unwrap_or_default()));
         let refused = self.rehearsal.refused_cylinders();
         let sound = |n: &u8| !refused.contains(n) && !self.refused.contains(n);
         let cylinders: Vec<u8> = (1..=settings.machine.cylinders).filter(sound).collect();

@@ -1,8 +1,7 @@
 //! Whether the configuration is fit for use, in a sentence.
 
 use super::faults::FaultKind;
-use super::off::{LeftOut, Threshold};
-use super::stages::{Refused, Stage, Taught};
+use super::taught::{LeftOut, Refused, Stage, Taught, Threshold};
 use super::trial::{KindResult, Trial};
 use crate::evaluate::poisson_upper;
 use tertius_config::MachineNames;
