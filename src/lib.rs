@@ -130,7 +130,7 @@ pub use tertius_core::{
 };
 pub use tertius_dbc as dbc;
 #[cfg(feature = "learning")]
-pub use tertius_assess::{commission, evaluate};
+pub use tertius_lab::{commission, evaluate};
 #[cfg(feature = "learning")]
 pub use tertius_learn::{
     calibrate, extremes, identify, learnt, propose, relate, survey, tables, tune,
