@@ -9,13 +9,12 @@ pub mod http;
 pub mod modbus;
 #[cfg(feature = "mqtt")]
 pub mod mqtt;
-#[cfg(any(feature = "modbus", feature = "opcua"))]
-mod notice_log;
 #[cfg(feature = "opcua")]
 pub mod opcua;
 #[cfg(all(feature = "cli", not(feature = "opcua")))]
 #[path = "without_opcua.rs"]
 pub mod opcua;
+#[cfg(any(feature = "modbus", feature = "opcua"))]
 mod patience;
 pub mod realtime;
 pub mod store;
@@ -35,6 +34,8 @@ mod journald;
 pub mod link_watch;
 #[cfg(feature = "cli")]
 pub mod logging;
+#[cfg(feature = "cli")]
+mod notice_log;
 #[cfg(feature = "cli")]
 mod quota;
 #[cfg(feature = "cli")]
