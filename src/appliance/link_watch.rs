@@ -63,7 +63,7 @@ fn look(named: &Receiver<String>, mut seen: impl FnMut(Option<&LinkState>)) {
         // An interface that is not there is the data path's to tell.
         let link = LinkState::read(&interface).ok();
         let state = link.as_ref().and_then(|link| link.state);
-        tell_change(&interface, last, state);
+        log_change(&interface, last, state);
         last = state;
         seen(link.as_ref());
         match named.recv_timeout(PERIOD) {
@@ -74,7 +74,7 @@ fn look(named: &Receiver<String>, mut seen: impl FnMut(Option<&LinkState>)) {
     }
 }
 
-fn tell_change(interface: &str, last: Option<ControllerState>, now: Option<ControllerState>) {
+fn log_change(interface: &str, last: Option<ControllerState>, now: Option<ControllerState>) {
     let Some(state) = now.filter(|_| now != last) else { return };
     let name = state.name();
     match state {

@@ -12,7 +12,7 @@ use super::store::{Cause, Clerk, EventKind, StorePlan};
 use super::telemetry::clock::SystemClock;
 use super::telemetry::{MachineFacts, Recorder};
 use super::warning_log::WarningLog;
-use super::watchdog::{Watchdog, tell};
+use super::watchdog::{Watchdog, notify};
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::Port;
 use crate::canopen::node::{NmtCommand, NmtEvent};
@@ -160,7 +160,7 @@ impl Appliance {
         info!(config, version = env!("CARGO_PKG_VERSION"), "starting");
         self.site.listen(site, &self.recorder);
         self.watch(interface);
-        tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
+        notify(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
     }
 
     fn watch(&self, interface: Option<&str>) {
@@ -185,7 +185,7 @@ impl Appliance {
 
     /// Finishes after `gateway` has stopped.
     pub fn stopped(&mut self, gateway: &Gateway) {
-        tell(&[NotifyState::Stopping]);
+        notify(&[NotifyState::Stopping]);
         self.keeper.finish(gateway.monitor());
         self.clerk.finish();
         self.flight.finish();
@@ -211,7 +211,7 @@ impl Journal for Appliance {
 
     fn incident(&mut self, incident: &Incident) {
         self.recorder.incident(incident);
-        self.warnings.tell(incident);
+        self.warnings.log_incident(incident);
         self.clerk.incident(incident);
         self.flight.incident(incident);
     }
@@ -309,17 +309,17 @@ impl Surroundings for Appliance {
         let description = port.description();
         info!("open: {description}");
         self.clerk.event(EventKind::BusOpened, || description.clone());
-        tell(&[NotifyState::Status(&description)]);
+        notify(&[NotifyState::Status(&description)]);
     }
 
     fn lost(&mut self, reason: &str) {
         warn!("no bus: {reason}; trying again");
         self.clerk.event(EventKind::BusLost, || reason.to_owned());
         self.clerk.turned();
-        tell(&[NotifyState::Status(reason)]);
+        notify(&[NotifyState::Status(reason)]);
     }
 
-    fn not_told(&mut self, reason: &str) {
+    fn report_not_sent(&mut self, reason: &str) {
         warn!("the bus was not told that the gateway stops: {reason}");
     }
 

@@ -53,7 +53,7 @@ impl WarningLog {
         self.waiting.push(*warning);
     }
 
-    pub(super) fn tell(&mut self, incident: &Incident) {
+    pub(super) fn log_incident(&mut self, incident: &Incident) {
         if self.incidents.len() == INCIDENTS_WAITING {
             self.write();
         }
@@ -64,7 +64,7 @@ impl WarningLog {
     pub(super) fn write(&mut self) {
         let names = &self.names;
         self.waiting.drain(..).for_each(|warning| write(&warning, names));
-        self.incidents.drain(..).for_each(|incident| tell(&incident, names));
+        self.incidents.drain(..).for_each(|incident| log_line(&incident, names));
     }
 }
 
@@ -76,7 +76,7 @@ fn write(warning: &Warning, names: &MachineNames) {
     let device = finding.device.map(|device| device.to_string());
     let suspect =
         story::transducer(finding.suspect).and_then(|it| names.of_transducer(warning.cylinder, it));
-    macro_rules! tell {
+    macro_rules! log {
         ($say:ident) => {
             $say!(
                 cylinder = warning.cylinder,
@@ -97,11 +97,11 @@ fn write(warning: &Warning, names: &MachineNames) {
     }
     if finding.fault == Fault::NotCalibrated {
         // It was logged at the start that there is no calibration.
-        return tell!(debug);
+        return log!(debug);
     }
     match warning.state {
-        State::Cleared => tell!(info),
-        State::Raised | State::Changed => tell!(warn),
+        State::Cleared => log!(info),
+        State::Raised | State::Changed => log!(warn),
     }
 }
 
@@ -114,11 +114,11 @@ fn said(warning: &Warning) -> String {
     format!("{detector} {state}: cylinder {cylinder}, suspect {suspect} (by {rule})")
 }
 
-fn tell(incident: &Incident, names: &MachineNames) {
+fn log_line(incident: &Incident, names: &MachineNames) {
     let (line, state) = (story::line(incident, names), incident.progress.name());
     let (number, cylinder) = (incident.number, incident.scope.cylinder());
     let (suspect, level) = (incident.suspect.name(), incident.level.name());
-    macro_rules! tell {
+    macro_rules! log {
         ($say:ident, $more:expr) => {
             $say!(
                 incident = number,
@@ -132,9 +132,9 @@ fn tell(incident: &Incident, names: &MachineNames) {
         };
     }
     match incident.progress {
-        Progress::Closed => tell!(info, story::ending(incident)),
+        Progress::Closed => log!(info, story::ending(incident)),
         Progress::Opened | Progress::Revised | Progress::Standing => {
-            tell!(warn, story::evidence(incident));
+            log!(warn, story::evidence(incident));
         }
     }
 }

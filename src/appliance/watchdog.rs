@@ -4,7 +4,7 @@ use sd_notify::NotifyState;
 use std::time::{Duration, Instant};
 
 /// Notifies the service manager; does nothing without one.
-pub(super) fn tell(states: &[NotifyState<'_>]) {
+pub(super) fn notify(states: &[NotifyState<'_>]) {
     _ = sd_notify::notify(states);
 }
 
@@ -22,7 +22,7 @@ impl Watchdog {
 
     pub(super) fn feed(&mut self) {
         if self.period.is_some_and(|period| self.fed.elapsed() >= period) {
-            tell(&[NotifyState::Watchdog]);
+            notify(&[NotifyState::Watchdog]);
             self.fed = Instant::now();
         }
     }

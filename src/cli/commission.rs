@@ -87,7 +87,7 @@ impl Commission {
             per_year: self.false_alarms_per_year,
             version: env!("CARGO_PKG_VERSION"),
         };
-        let result = task.run(&study, tell)?;
+        let result = task.run(&study, show)?;
         print(&commission::page(&result, &ReadWith::from(&machine.loaded)))?;
         if let Some(report) = report {
             report.write(&figures(&study, &result)?)?;
@@ -195,7 +195,7 @@ fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
 }
 
 /// Tells a person at a terminal which step has begun.
-fn tell(step: Step) {
+fn show(step: Step) {
     if std::io::stderr().is_terminal() {
         tell!("{}", progress(step));
     }

@@ -40,7 +40,7 @@ pub trait Surroundings: Journal {
     /// Notes that the port is lost, or could not be opened. Called once for each new reason.
     fn lost(&mut self, reason: &str);
     /// Notes that the gateway stops, and that the bus was not told, for `reason`.
-    fn not_told(&mut self, reason: &str);
+    fn report_not_sent(&mut self, reason: &str);
     /// Notes that `port` was open and is lost, whether or not the reason is new.
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         _ = (gateway, port);
@@ -80,7 +80,7 @@ pub fn run(
         }
         match surroundings.request() {
             Request::Stop => {
-                surroundings.not_told("the interface is not open");
+                surroundings.report_not_sent("the interface is not open");
                 return gateway;
             }
             Request::Reload => {
@@ -125,7 +125,7 @@ fn serve(
             Request::GoOn => {}
             Request::Stop => {
                 if let Err(reason) = gateway.stop(port, FULL_PAUSE, surroundings) {
-                    surroundings.not_told(&reason.to_string());
+                    surroundings.report_not_sent(&reason.to_string());
                 }
                 return End::Stop;
             }

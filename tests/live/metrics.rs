@@ -467,7 +467,7 @@ impl Surroundings for Flapping {
 
     fn lost(&mut self, _: &str) {}
 
-    fn not_told(&mut self, reason: &str) {
+    fn report_not_sent(&mut self, reason: &str) {
         assert_eq!((self.left, reason), (0, "the interface is not open"));
     }
 

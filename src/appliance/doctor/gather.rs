@@ -77,7 +77,7 @@ fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
             found.hearing = (!listen.is_zero()).then(|| {
                 let rates = rates(wanted, found.link.as_ref().ok());
                 let mut hearing = Hearing::new(rates, wanted.status);
-                hear(&mut port, listen, &mut hearing);
+                listen_to(&mut port, listen, &mut hearing);
                 hearing
             });
             found.port = Ok(Receiving {
@@ -108,7 +108,7 @@ fn rates(wanted: &Wanted, link: Option<&LinkState>) -> Rates {
     Rates { nominal: f64::from(nominal), data: f64::from(data) }
 }
 
-fn hear(port: &mut dyn Port, listen: Duration, hearing: &mut Hearing) {
+fn listen_to(port: &mut dyn Port, listen: Duration, hearing: &mut Hearing) {
     let started = Instant::now();
     while started.elapsed() < listen {
         if let Err(error) = port.receive(PATIENCE, &mut |frame| hearing.take(frame)) {

@@ -71,7 +71,7 @@ impl Recording {
     }
 
     /// Takes what is told of its incident.
-    pub fn tell(&mut self, incident: &Incident) {
+    pub fn note(&mut self, incident: &Incident) {
         if self.told.len() < MOST_TOLD {
             self.told.push(*incident);
         }

@@ -148,7 +148,7 @@ impl Worker {
             }
             let mut open = self.open.iter_mut();
             if let Some(recording) = open.find(|it| it.number() == Some(incident.number)) {
-                recording.tell(incident);
+                recording.note(incident);
             }
         }
         let now = self.now;

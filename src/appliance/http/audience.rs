@@ -50,7 +50,7 @@ impl Audience {
     }
 
     /// Tells everybody what `event` makes, if there is anybody.
-    pub fn tell(&self, event: impl FnOnce() -> Bytes) {
+    pub fn send(&self, event: impl FnOnce() -> Bytes) {
         let mut watchers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if watchers.is_empty() {
             return;

@@ -98,7 +98,7 @@ impl Server {
         let (stop, stopped) = oneshot::channel();
         let serve = move || {
             realtime::be_ordinary();
-            runtime.spawn(stream::tell(shared.clone()));
+            runtime.spawn(stream::broadcast(shared.clone()));
             runtime.spawn(async move {
                 match TcpListener::from_std(listener) {
                     Ok(listener) => connections::accept(listener, router(shared), accepting).await,

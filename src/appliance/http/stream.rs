@@ -25,13 +25,13 @@ pub(super) async fn stream(
 }
 
 /// Tells the audience, again and again, what is new.
-pub(super) async fn tell(shared: Shared) {
+pub(super) async fn broadcast(shared: Shared) {
     let mut period = tokio::time::interval(PERIOD);
     let mut feed = TrendFeed::default();
     loop {
         period.tick().await;
         let bins = feed.newest(&shared.telemetry);
-        shared.audience.tell(|| event(&shared, &bins));
+        shared.audience.send(|| event(&shared, &bins));
     }
 }
 

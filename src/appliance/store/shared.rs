@@ -31,7 +31,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub fn tell(&self, state: StoreState) {
+    pub fn set(&self, state: StoreState) {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
     }
 }

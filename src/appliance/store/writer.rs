@@ -140,7 +140,7 @@ impl<'a> Writer<'a> {
         self.not_before = None;
         let path = plan.as_ref().map(path);
         self.plan = plan;
-        self.shared.tell(StoreState { path, trouble: None });
+        self.shared.set(StoreState { path, trouble: None });
     }
 
     /// Does what is due.
@@ -254,7 +254,7 @@ impl<'a> Writer<'a> {
             info!("the event store is written again");
         }
         self.not_before = None;
-        self.tell(None);
+        self.report(None);
         self.measure();
         if let (Some(vault), Some(plan)) = (&self.vault, &self.plan)
             && retention::is_due(&vault.database, limits(plan)).unwrap_or(false)
@@ -312,12 +312,12 @@ impl<'a> Writer<'a> {
             );
             self.told = Some(told.to_owned());
         }
-        self.tell(Some(told.to_owned()));
+        self.report(Some(told.to_owned()));
     }
 
-    fn tell(&self, trouble: Option<String>) {
+    fn report(&self, trouble: Option<String>) {
         let path = self.plan.as_ref().map(|plan| plan.store.path.clone());
-        self.shared.tell(StoreState { path, trouble });
+        self.shared.set(StoreState { path, trouble });
     }
 
     fn refuse(&self, note: Note, why: &str) {

@@ -162,7 +162,7 @@ impl Surroundings for Audience {
     }
 
     /// Does nothing, since the embedded bus takes every frame.
-    fn not_told(&mut self, _: &str) {}
+    fn report_not_sent(&mut self, _: &str) {}
 
     fn turned(&mut self, _: &Gateway, _: &dyn Port) {
         self.attend();

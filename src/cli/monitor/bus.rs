@@ -95,7 +95,7 @@ impl BusSource {
     fn listen(
         &mut self,
         port: &mut ListeningPort,
-        tell: &mut dyn FnMut(News) -> bool,
+        send: &mut dyn FnMut(News) -> bool,
     ) -> Result<(), String> {
         let mut feed = TrendFeed::default();
         let mut due = Instant::now();
@@ -114,7 +114,7 @@ impl BusSource {
             }
             if Instant::now() >= due {
                 due = Instant::now() + PERIOD;
-                if !self.tell(&mut feed, tell) {
+                if !self.send(&mut feed, send) {
                     return Ok(());
                 }
             }
@@ -122,11 +122,11 @@ impl BusSource {
     }
 
     /// Tells how it is now, in the words of the gateway's page.
-    fn tell(&self, feed: &mut TrendFeed, tell: &mut dyn FnMut(News) -> bool) -> bool {
+    fn send(&self, feed: &mut TrendFeed, send: &mut dyn FnMut(News) -> bool) -> bool {
         let (telemetry, clock) = (self.ear.recorder.telemetry(), self.ear.recorder.clock());
         let overview = telemetry.overview(clock.uptime(), clock.system());
         let bins = feed.newest(telemetry);
-        said("overview", &overview).is_none_or(&mut *tell) && said("bins", &bins).is_none_or(tell)
+        said("overview", &overview).is_none_or(&mut *send) && said("bins", &bins).is_none_or(send)
     }
 }
 
@@ -135,7 +135,7 @@ impl NewsSource for BusSource {
         self.interface.clone()
     }
 
-    fn watch(&mut self, tell: &mut dyn FnMut(News) -> bool) {
+    fn watch(&mut self, send: &mut dyn FnMut(News) -> bool) {
         let telemetry = Arc::clone(self.ear.recorder.telemetry());
         let links = LinkWatch::start(move |link| match link {
             Some(link) => telemetry.link(link),
@@ -143,19 +143,19 @@ impl NewsSource for BusSource {
         });
         // Without it the state of the controller is not shown.
         _ = links.as_ref().map(|links| links.name(&self.interface));
-        if !said("machine", &self.facts).is_none_or(&mut *tell) {
+        if !said("machine", &self.facts).is_none_or(&mut *send) {
             return;
         }
         loop {
             let opened = run::open(&self.interface, &self.identifiers).map(ListeningPort::new);
             let reason = match opened {
-                Ok(mut port) => match self.listen(&mut port, tell) {
+                Ok(mut port) => match self.listen(&mut port, send) {
                     Ok(()) => return,
                     Err(reason) => reason,
                 },
                 Err(reason) => reason,
             };
-            if !tell(News::Lost(reason)) {
+            if !send(News::Lost(reason)) {
                 return;
             }
             std::thread::sleep(PAUSE);

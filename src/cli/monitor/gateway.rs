@@ -103,18 +103,18 @@ impl GatewaySource {
     }
 
     /// Follows the gateway until it is lost, for the reason returned; `Ok` if nobody wants to be told any more.
-    async fn follow(&self, tell: &mut dyn FnMut(News) -> bool) -> Result<(), String> {
+    async fn follow(&self, send: &mut dyn FnMut(News) -> bool) -> Result<(), String> {
         let machine = self.machine().await?;
         let mut asked = Instant::now();
         let cylinders = machine.limits_m.len();
-        if !tell(News::Machine(machine)) {
+        if !send(News::Machine(machine)) {
             return Ok(());
         }
         for number in 1..=cylinders {
             let path = format!("/api/trend/{number}?seconds={MINUTES:.0}");
             let answer = self.answer(&path).await?;
             let news = News::trend(number, &answer).map_err(|error| unreadable(&path, &error))?;
-            if !tell(news) {
+            if !send(news) {
                 return Ok(());
             }
         }
@@ -125,7 +125,7 @@ impl GatewaySource {
             events.push(&bytes).map_err(|error| format!("{path}: {error}"))?;
             while let Some((name, data)) = events.next() {
                 let news = News::event(&name, &data).map_err(|error| unreadable(path, &error))?;
-                if news.is_some_and(|news| !tell(news)) {
+                if news.is_some_and(|news| !send(news)) {
                     return Ok(());
                 }
             }
@@ -135,7 +135,7 @@ impl GatewaySource {
                     return Err("it monitors another machine now".to_owned());
                 }
                 asked = Instant::now();
-                if !tell(News::Machine(now)) {
+                if !send(News::Machine(now)) {
                     return Ok(());
                 }
             }
@@ -195,16 +195,16 @@ impl NewsSource for GatewaySource {
         format!("{scheme}://{}", self.authority)
     }
 
-    fn watch(&mut self, tell: &mut dyn FnMut(News) -> bool) {
+    fn watch(&mut self, send: &mut dyn FnMut(News) -> bool) {
         let runtime = match runtime() {
             Ok(runtime) => runtime,
             Err(reason) => {
-                tell(News::Lost(reason));
+                send(News::Lost(reason));
                 return;
             }
         };
-        while let Err(reason) = runtime.block_on(self.follow(tell)) {
-            if !tell(News::Lost(reason)) {
+        while let Err(reason) = runtime.block_on(self.follow(send)) {
+            if !send(News::Lost(reason)) {
                 return;
             }
             std::thread::sleep(PAUSE);

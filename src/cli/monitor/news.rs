@@ -13,8 +13,8 @@ pub trait NewsSource: Send {
     /// What is watched, for people: `can0`, `http://127.0.0.1:9481`.
     fn name(&self) -> String;
 
-    /// Tells what there is to know, about twice a second, until `tell` says that nobody listens any more.
-    fn watch(&mut self, tell: &mut dyn FnMut(News) -> bool);
+    /// Sends what is known, about twice a second, until `send` returns that nobody listens any more.
+    fn watch(&mut self, send: &mut dyn FnMut(News) -> bool);
 }
 
 /// What a source tells.

@@ -36,7 +36,7 @@ pub fn run<P: UnrestrictedPort>(
         let now = bench.now();
         for (index, side) in sides.iter_mut().enumerate() {
             let change = side.attend(now);
-            tell(bench, index, side, change);
+            log_change(bench, index, side, change);
         }
         turn(proxy, sides, bench, now);
         let [from, to] = &*sides;
@@ -67,13 +67,13 @@ fn turn<P: UnrestrictedPort>(
             }
             Err(error) => {
                 let change = side.lose(error.to_string(), now);
-                tell(bench, index, side, change);
+                log_change(bench, index, side, change);
             }
         }
     }
 }
 
-fn tell<P: UnrestrictedPort>(
+fn log_change<P: UnrestrictedPort>(
     bench: &mut impl Bench<P>,
     index: usize,
     side: &Side<P>,

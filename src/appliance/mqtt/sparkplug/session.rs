@@ -129,7 +129,7 @@ impl SparkplugSession {
     }
 
     async fn turn(&mut self) -> Result<(), MqttTrouble> {
-        self.tell().await?;
+        self.publish_changes().await?;
         self.forward().await?;
         if self.pulse.is_due() {
             self.ping().await?;
@@ -208,7 +208,7 @@ impl SparkplugSession {
     }
 
     /// Says what has changed.
-    async fn tell(&mut self) -> Result<(), MqttTrouble> {
+    async fn publish_changes(&mut self) -> Result<(), MqttTrouble> {
         let (points, at) = self.now();
         let period = self.desk.plan.period;
         let Some(told) = &mut self.told else { return Ok(()) };
