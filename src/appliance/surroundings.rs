@@ -211,7 +211,7 @@ impl Journal for Appliance {
 
     fn incident(&mut self, incident: &Incident) {
         self.recorder.incident(incident);
-        self.warnings.log_incident(incident);
+        self.warnings.queue_incident(incident);
         self.clerk.incident(incident);
         self.flight.incident(incident);
     }

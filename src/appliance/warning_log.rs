@@ -53,7 +53,7 @@ impl WarningLog {
         self.waiting.push(*warning);
     }
 
-    pub(super) fn log_incident(&mut self, incident: &Incident) {
+    pub(super) fn queue_incident(&mut self, incident: &Incident) {
         if self.incidents.len() == INCIDENTS_WAITING {
             self.write();
         }
@@ -64,7 +64,7 @@ impl WarningLog {
     pub(super) fn write(&mut self) {
         let names = &self.names;
         self.waiting.drain(..).for_each(|warning| write(&warning, names));
-        self.incidents.drain(..).for_each(|incident| log_line(&incident, names));
+        self.incidents.drain(..).for_each(|incident| log_incident(&incident, names));
     }
 }
 
@@ -114,7 +114,7 @@ fn said(warning: &Warning) -> String {
     format!("{detector} {state}: cylinder {cylinder}, suspect {suspect} (by {rule})")
 }
 
-fn log_line(incident: &Incident, names: &MachineNames) {
+fn log_incident(incident: &Incident, names: &MachineNames) {
     let (line, state) = (story::line(incident, names), incident.progress.name());
     let (number, cylinder) = (incident.number, incident.scope.cylinder());
     let (suspect, level) = (incident.suspect.name(), incident.level.name());
