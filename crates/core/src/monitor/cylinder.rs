@@ -28,7 +28,6 @@ use crate::process::Process;
 use crate::sample::{Awaited, DeviceRole, Field, Inputs, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
 use crate::state::state;
-use crate::verdict::Residuals;
 use account::Account;
 use alloc::boxed::Box;
 pub use blanks::{Blank, NotJudged};
@@ -221,48 +220,34 @@ impl Cylinder {
 
     /// Evaluates the cycle; its inputs must be cleared afterwards. `restarted` is called for
     /// observers that restart.
-    pub fn evaluate(
-        &mut self,
-        now: Evaluation,
-        restarted: impl FnMut(Transducer, Restart),
-    ) -> Cycle {
+    pub fn evaluate(&mut self, cycle: &mut Cycle, restarted: impl FnMut(Transducer, Restart)) {
         self.pending = false;
         self.awaited.take(self.inputs.got());
-        let mut cycle = self.read(now);
-        self.observe(&mut cycle, restarted);
-        self.detect(&mut cycle);
+        self.read(cycle);
+        self.observe(cycle, restarted);
+        self.detect(cycle);
         self.follow_standing();
-        let finds = self.judge_last(&cycle);
+        let finds = self.judge_last(cycle);
         if self.estimated.is_some() {
-            self.estimate(&cycle);
+            self.estimate(cycle);
         }
-        self.account(&cycle, finds);
-        cycle
+        self.account(cycle, finds);
     }
 
     /// Takes the inputs of a cycle: which readings are good, and how the command moves the rod.
     #[inline(always)]
-    fn read(&mut self, now: Evaluation) -> Cycle {
-        let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
-        self.readings.take(&now, &self.design, &readings);
-        let mut cycle = Cycle {
-            now,
-            command: self.inputs.command_value().map(|u| u - self.design.command_offset),
-            readings,
-            good: [None; 2],
-            is_odd: false,
-            innovations: [None; 2],
-            difference: None,
-            residuals: Residuals { r: [None; 3] },
-        };
-        self.check::<0>(&mut cycle);
-        self.check::<1>(&mut cycle);
+    fn read(&mut self, cycle: &mut Cycle) {
+        let now = cycle.now;
+        cycle.command = self.inputs.command_value().map(|u| u - self.design.command_offset);
+        cycle.readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
+        self.readings.take(&now, &self.design, &cycle.readings);
+        self.check::<0>(cycle);
+        self.check::<1>(cycle);
         self.length = cycle.length();
         let is_heard = now.heard.has(self.design.buses[DeviceRole::Valve as usize]);
         let quality = self.command.follow(cycle.command, is_heard, &self.design);
         self.readings.check_command(quality, now.at);
         cycle.is_odd |= self.readings.is_implausible(DeviceRole::Valve as usize);
-        cycle
     }
 
     /// Checks the reading of transducer `I`, see [`Fde::observe`].

@@ -36,7 +36,7 @@ use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::{boxed::Box, vec::Vec};
 pub use counts::Counts;
-use cylinder::{Cylinder, CylinderDesign, Evaluation};
+use cylinder::{Cycle, Cylinder, CylinderDesign, Evaluation};
 pub use estimates::Estimates;
 pub use explaining::{Answer, Explained, Explanation};
 use gate::{Gate, Opening};
@@ -332,7 +332,8 @@ impl Monitor {
         };
         self.opened_once |= now.gate == Opening::Open;
         let number = index as u8 + 1;
-        let cycle = cylinder.evaluate(now, |transducer, reason| {
+        let mut cycle = Cycle::new(now);
+        cylinder.evaluate(&mut cycle, |transducer, reason| {
             let detector = [Detector::Fde1, Detector::Fde2][transducer as usize];
             sink.notice(&Notice::Restart { at, cylinder: number, detector, reason });
         });

@@ -46,9 +46,14 @@ impl Awaited {
     /// of a slow signal is as good there.
     #[inline]
     pub const fn turn(&mut self, late: u16) -> u16 {
+        // Nearly always nothing is optional.
+        if self.optional == 0 { 0 } else { self.follow(late) }
+    }
+
+    const fn follow(&mut self, late: u16) -> u16 {
         let d = self.came | late;
         // Of a cycle in which nothing came nothing follows for the next one.
-        if self.optional == 0 || d == 0 {
+        if d == 0 {
             return 0;
         }
         let [_, a, b, c] = self.newest;

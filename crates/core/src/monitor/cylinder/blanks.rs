@@ -121,8 +121,8 @@ impl Blanks {
         before: u64,
         reason: impl Fn(usize) -> Option<NotJudged>,
     ) {
-        for i in 0..2 {
-            if judged[i] {
+        for (i, judged) in judged.into_iter().enumerate() {
+            if judged {
                 self.end(i, opened, before);
             } else if self.open[i].is_none() {
                 let begin = |reason| Begun { from: opened, before, reason };

@@ -42,6 +42,21 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// A cycle of which nothing is known but when it is evaluated.
+    #[inline(always)]
+    pub const fn new(now: Evaluation) -> Self {
+        Self {
+            now,
+            command: None,
+            readings: [None; 2],
+            good: [None; 2],
+            is_odd: false,
+            innovations: [None; 2],
+            difference: None,
+            residuals: Residuals { r: [None; 3] },
+        }
+    }
+
     /// C1, m, if it is good.
     pub fn length(&self) -> Option<f64> {
         self.good[0].map(|reading| reading.position)

@@ -53,20 +53,22 @@ impl Fde {
     #[cold]
     #[inline(never)]
     pub fn resume_without_wild(&mut self, cycle: &mut Cycle) -> [bool; 2] {
-        let mut resumed = [false; 2];
-        for i in 0..2 {
-            let Some((copy, reading)) = self.uncorrected[i].zip(cycle.good[i]) else { continue };
+        core::array::from_fn(|i| {
+            let Some((copy, reading)) = self.uncorrected[i].zip(cycle.good[i]) else {
+                return false;
+            };
             if !self.bank.is_open(i) {
                 self.uncorrected[i] = None;
             } else if !self.bank.stays(i, reading.position - copy.length()) {
                 let own = self.observers[i].resume(copy, reading);
-                (self.uncorrected[i], resumed[i]) = (None, true);
+                self.uncorrected[i] = None;
                 if let Some(it) = &mut cycle.innovations[i] {
                     (it.estimate, it.residual) = (own.estimate, own.residual);
                 }
+                return true;
             }
-        }
-        resumed
+            false
+        })
     }
 
     /// After a command that the thresholds were not made for, only what one observer alone sees is a fault. One that
