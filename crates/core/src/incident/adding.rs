@@ -1,10 +1,13 @@
 //! What a warning adds to its incident.
 
 use super::{Excursion, Incident, Outset, Part, Progress, QUANTITIES, Quantities, Scope};
-use crate::alarm::detector::PLACES;
+use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Finding, Level, State, Warning};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony};
+
+/// The detectors of R1 and R2, which are the first two quantities.
+const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
 impl Incident {
     /// An incident that begins with `warning`, which it does not yet include.
@@ -59,12 +62,21 @@ impl Incident {
         self.fuse(warning.timestamp);
     }
 
-    /// Takes that the warning at a place is about another fault, as it turned out. What it was raised for before stays.
-    pub(super) fn give_up(&mut self, place: usize) {
-        let Some(part) = &mut self.parts[place] else { return };
+    /// Takes that the warning at a place is about another fault, as it turned out; returns its part, if it was raised for that
+    /// fault alone. What it was raised for before stays.
+    pub(super) fn give_up(&mut self, place: usize) -> Option<Part> {
+        let part = self.parts[place].as_mut()?;
         part.stands = false;
-        if part.raises == 1 {
-            self.parts[place] = None;
+        if part.raises == 1 { self.parts[place].take() } else { None }
+    }
+
+    /// Takes the residual by which an observer's detector was raised before it was known to be of this incident.
+    pub(super) fn reach_by(&mut self, warning: &Warning) {
+        let quantity = OBSERVERS.iter().position(|place| *place as usize == warning.place);
+        if let (Some(quantity), Some(residual)) = (quantity, warning.finding.residual) {
+            let mut quantities = Quantities::default();
+            quantities[quantity] = Some(residual);
+            self.reach(warning.timestamp, &quantities);
         }
     }
 

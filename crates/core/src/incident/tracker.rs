@@ -8,7 +8,7 @@ use super::{
     Scope,
 };
 use crate::alarm::detector::WarningPlace;
-use crate::alarm::{State, Warning};
+use crate::alarm::{Finding, State, Warning};
 use crate::state::state;
 use crate::time::{Span, Timestamp};
 use crate::verdict::Fault;
@@ -105,11 +105,12 @@ impl Incidents {
             cylinder.revise(&Warning { state: State::Cleared, ..*warning });
             return;
         }
+        let raised = cylinder.as_raised(warning);
         match warning.state {
             State::Changed if cylinder.revise(warning) => {}
             State::Raised | State::Changed => {
-                if cylinder.raise(warning, &mut self.begun) {
-                    self.gather(warning);
+                if cylinder.raise(&raised, &mut self.begun) {
+                    self.gather(&raised);
                 }
             }
             State::Cleared => _ = cylinder.revise(warning),
@@ -351,6 +352,9 @@ impl OfCylinder {
         if begins && is_of_supply(warning) {
             open.shared = Some(Cause::Supply);
         }
+        if warning.state == State::Changed {
+            open.incident.reach_by(warning);
+        }
         open.incident.raise(warning);
         open.follow(warning, timing.coincidence);
         open.date_naming(warning, timing.coincidence);
@@ -366,17 +370,28 @@ impl OfCylinder {
         (0..MOST_AT_ONCE).filter(|place| order(place).is_some()).max_by_key(order)
     }
 
-    /// Takes a warning that has changed or cleared into the incident of which it stands; returns whether there is one that
-    /// keeps it.
+    /// A warning as it was raised, if it leaves the incident to which it belongs: its fault began then, and was that large.
+    fn as_raised(&mut self, warning: &Warning) -> Warning {
+        let mut open = self.open.iter_mut().flatten();
+        let is_left = |open: &&mut Open| {
+            open.incident.parts[warning.place].is_some_and(|part| part.stands)
+                && open.is_left_by(warning)
+        };
+        let left = open.find(is_left).filter(|_| warning.state == State::Changed);
+        let Some(part) = left.and_then(|it| it.incident.give_up(warning.place)) else {
+            return *warning;
+        };
+        let Finding { residual, threshold, .. } = part.finding;
+        let finding = Finding { residual, threshold, ..warning.finding };
+        Warning { timestamp: part.raised, finding, ..*warning }
+    }
+
+    /// Takes a warning that has changed or cleared into the incident of which it stands; returns whether there is one.
     fn revise(&mut self, warning: &Warning) -> bool {
         let mut open = self.open.iter_mut().flatten();
         let stands =
             |open: &&mut Open| open.incident.parts[warning.place].is_some_and(|part| part.stands);
         let Some(open) = open.find(stands) else { return false };
-        if warning.state == State::Changed && open.is_left_by(warning) {
-            open.incident.give_up(warning.place);
-            return false;
-        }
         open.incident.revise(warning);
         if warning.state == State::Cleared {
             open.clear(warning);

@@ -78,7 +78,7 @@ fn the_fault_of_the_last_transducer_is_an_incident_of_its_own() {
         story.raise(250.0, Fde2, Fault::Abrupt, Suspect::Undecided, 9.9);
         story.follow(250.0, [None, Some(9.9e-3), None, None]);
         assert_eq!(story.numbers(Progress::Opened), [1], "it may be C1's");
-        let latched = Finding { rule, ..finding(Fault::Abrupt, Suspect::C2, 9.9e-3) };
+        let latched = Finding { rule, ..finding(Fault::Abrupt, Suspect::C2, 0.1e-3) };
         story.say(250.05, Fde2, State::Changed, latched);
         story.follow(250.05, [None, Some(1e-4), None, None]);
         let opened = story.numbers(Progress::Opened);
@@ -88,6 +88,11 @@ fn the_fault_of_the_last_transducer_is_an_incident_of_its_own() {
         assert_eq!(suspect(1), Some(Suspect::C1));
         if expected == 2 {
             assert_eq!(suspect(2), Some(Suspect::C2));
+            let own = story.told.iter().find(|it| it.number == 2).expect("it was reported");
+            // It began as the step did, and was as large.
+            let largest = own.worst().expect("FDE2 had found it").1;
+            assert_eq!((own.begin, largest.value), (at(250.0), 9.9e-3));
+            assert_eq!(own.part(Fde2).and_then(|it| it.finding.residual), Some(9.9e-3));
             let first = story.incidents.standing(at(251.0)).find(|it| it.number == 1);
             let first = first.expect("C1 is still out");
             assert!(first.part(Fde2).is_none() && first.part(PlausibilityOfC1).is_some());
