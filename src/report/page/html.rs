@@ -121,7 +121,7 @@ impl Page {
         self.contents = Some(self.body.len());
     }
 
-    /// Adds markup, in which every text is [`escaped`].
+    /// Adds markup, in which every text is escaped.
     pub fn raw(&mut self, markup: &str) {
         self.body += markup;
     }
