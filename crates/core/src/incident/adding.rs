@@ -1,13 +1,11 @@
 //! What a warning adds to its incident.
 
+use super::fusing::OBSERVERS;
 use super::{Excursion, Incident, Outset, Part, Progress, QUANTITIES, Quantities, Scope};
-use crate::alarm::detector::{PLACES, WarningPlace};
+use crate::alarm::detector::PLACES;
 use crate::alarm::{Finding, Level, State, Warning};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony};
-
-/// The detectors of R1 and R2, which are the first two quantities.
-const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
 impl Incident {
     /// An incident that begins with `warning`, which it does not yet include.

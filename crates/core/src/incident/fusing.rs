@@ -19,7 +19,8 @@ const FACTS: [WarningPlace; 3] = [
 const BEFORE_OBSERVERS: [WarningPlace; 3] =
     [WarningPlace::Sequential, WarningPlace::Fde3, WarningPlace::Process];
 
-const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
+/// The detectors of R1 and R2, which are the first two quantities.
+pub(super) const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
 const P: &IncidentParameters = &IncidentParameters::DEFAULT;
 

@@ -11,8 +11,7 @@ use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
-/// By what an incident is news.
-const PARAMETERS: IncidentParameters = IncidentParameters::DEFAULT;
+const P: &IncidentParameters = &IncidentParameters::DEFAULT;
 
 /// What was reported of an incident.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,8 +49,7 @@ impl Reported {
 
     /// Whether it says more than `before`.
     fn is_more(&self, before: &Self) -> bool {
-        self.raised != before.raised
-            || self.share > PARAMETERS.growth * before.share.max(PARAMETERS.small)
+        self.raised != before.raised || self.share > P.growth * before.share.max(P.small)
     }
 }
 
@@ -60,7 +58,7 @@ impl Open {
     pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
         let now = Reported::of(&self.incident);
         // A clock that was set back does not keep it waiting.
-        let pause = Span::from_seconds(PARAMETERS.pause);
+        let pause = Span::from_seconds(P.pause);
         let is_due = !(Span::ZERO..pause).contains(&at.since(self.incident.timestamp));
         let progress = match &self.reported {
             None => Progress::Opened,

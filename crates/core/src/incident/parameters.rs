@@ -28,7 +28,7 @@ pub struct IncidentParameters {
     /// Time after the begin within which a detector still sees the onset, s. What is raised later sees the fault's course or
     /// its end, and does not name its kind.
     pub onset: f64,
-    /// An incident has grown when its largest value is so many times that which was reported; above 1. A drift from a quarter of
+    /// An incident has grown when its largest value exceeds the reported one by this factor; above 1. A drift from a quarter of
     /// its limit to the trip at thirty times the limit is reported 22 times.
     pub growth: f64,
     /// Part of its limit up to which a size is not worth a report, 0 to 1.

@@ -168,7 +168,7 @@ impl Incidents {
     }
 
     /// Takes the cycle of the cylinder of `index` (from 0) that opened at `opened` and was evaluated at `at`,
-    /// after its warnings. Passes to `say` each incident that was opened, revised or closed, and returns whether
+    /// after its warnings. Passes to `report` each incident that was opened, revised or closed, and returns whether
     /// one is left that is not closed. One that began just now is reported when it is known whether other cylinders have it, too.
     #[cold]
     pub fn follow(
@@ -218,7 +218,7 @@ impl Incidents {
         places.iter().any(Option::is_some)
     }
 
-    /// Takes the end of a cycle at `at`: passes to `say` each incident of the machine that was opened, revised or closed.
+    /// Takes the end of a cycle at `at`: passes to `report` each incident of the machine that was opened, revised or closed.
     #[inline]
     pub fn follow_machine(&mut self, at: Timestamp, report: impl FnMut(&Incident)) {
         if self.shares {
@@ -276,7 +276,7 @@ impl Incidents {
         }
     }
 
-    /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
+    /// Reports at `at`, after which nothing follows, every incident that is not closed.
     pub fn finish(&mut self, at: Timestamp, mut report: impl FnMut(&Incident)) {
         self.cut(at, &mut report);
         let Self { cylinders, count, .. } = self;
@@ -352,6 +352,7 @@ impl OfCylinder {
         if begins && is_of_supply(warning) {
             open.shared = Some(Cause::Supply);
         }
+        // What is raised now, the quantities of the cycle have.
         if warning.state == State::Changed {
             open.incident.reach_by(warning);
         }
@@ -372,13 +373,16 @@ impl OfCylinder {
 
     /// A warning as it was raised, if it leaves the incident to which it belongs: its fault began then, and was that large.
     fn as_raised(&mut self, warning: &Warning) -> Warning {
+        if warning.state != State::Changed {
+            return *warning;
+        }
         let mut open = self.open.iter_mut().flatten();
         let is_left = |open: &&mut Open| {
             open.incident.parts[warning.place].is_some_and(|part| part.stands)
                 && open.is_left_by(warning)
         };
-        let left = open.find(is_left).filter(|_| warning.state == State::Changed);
-        let Some(part) = left.and_then(|it| it.incident.give_up(warning.place)) else {
+        let part = open.find(is_left).and_then(|it| it.incident.give_up(warning.place));
+        let Some(part) = part else {
             return *warning;
         };
         let Finding { residual, threshold, .. } = part.finding;
