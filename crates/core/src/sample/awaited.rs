@@ -13,6 +13,9 @@ pub struct Awaited {
     optional: u16,
     /// Those that came in the open cycle.
     came: u16,
+    /// Those that the open cycle has from the one before, and that did not come in it. One that comes now before the evaluation
+    /// and now after it is counted too seldom: it is then a cycle old at most.
+    kept: u16,
     /// The same of the newest cycles.
     newest: [u16; 4],
     /// Those for which the open cycle is held open.
@@ -20,14 +23,21 @@ pub struct Awaited {
 }
 
 state! {
-    Awaited { came, newest, fields }
+    Awaited { came, kept, newest, fields }
     but { required, optional }
 }
 
 impl Awaited {
     /// `all` are awaited at first; those beside the `required` ones may turn out to come too seldom for it.
     pub const fn new(required: u16, all: u16) -> Self {
-        Self { required, optional: all & !required, came: 0, newest: [all; 4], fields: all }
+        Self {
+            required,
+            optional: all & !required,
+            came: 0,
+            kept: 0,
+            newest: [all; 4],
+            fields: all,
+        }
     }
 
     /// Whether nothing more is awaited once the fields in `got` have come.
@@ -39,7 +49,7 @@ impl Awaited {
     /// Takes the fields with which the open cycle is evaluated.
     #[inline]
     pub const fn take(&mut self, got: u16) {
-        self.came |= got;
+        self.came |= got & !self.kept;
     }
 
     /// Ends a cycle in which `late` have come after the evaluation. Returns those that the next cycle keeps: the newest value
@@ -52,15 +62,17 @@ impl Awaited {
 
     const fn follow(&mut self, late: u16) -> u16 {
         let d = self.came | late;
-        // Of a cycle in which nothing came nothing follows for the next one.
+        // A cycle in which nothing came shows nothing about the fields.
         if d == 0 {
+            self.kept = 0;
             return 0;
         }
         let [_, a, b, c] = self.newest;
         (self.newest, self.came) = ([a, b, c, d], 0);
         let in_three_of_four = (a & b & (c | d)) | (c & d & (a | b));
         self.fields = self.required | (self.optional & in_three_of_four);
-        late & self.optional & !self.fields
+        self.kept = late & self.optional & !self.fields;
+        self.kept
     }
 }
 
@@ -71,14 +83,16 @@ mod tests {
     const READING: u16 = 0b01;
     const PRESSURE: u16 = 0b10;
 
-    /// Whether the pressure is awaited in each cycle, in those of which it `comes`.
+    /// Whether the pressure is awaited in each cycle; it comes where `comes` is true, in time only where it is awaited.
     fn awaited(comes: impl IntoIterator<Item = bool>) -> Vec<bool> {
         let mut awaited = Awaited::new(READING, READING | PRESSURE);
+        let mut kept = 0;
         let one = |comes| {
-            let is_awaited = !awaited.is_done(READING);
-            awaited.take(READING);
-            let late = if comes { PRESSURE } else { 0 };
-            let kept = awaited.turn(late);
+            let is_awaited = !awaited.is_done(READING | kept);
+            let [in_time, late] =
+                [is_awaited, !is_awaited].map(|it| if comes && it { PRESSURE } else { 0 });
+            awaited.take(READING | kept | in_time);
+            kept = awaited.turn(late);
             assert!(awaited.is_done(READING | PRESSURE) && !awaited.is_done(PRESSURE));
             assert!(kept == 0 || kept == PRESSURE && comes && awaited.is_done(READING));
             is_awaited
@@ -93,7 +107,7 @@ mod tests {
 
     #[test]
     fn what_comes_more_seldom_is_awaited_only_at_first() {
-        for every in [2, 5, 50] {
+        for every in [2, 3, 5, 50] {
             let seen = awaited((0..100).map(|k| k % every == 0));
             assert!(seen[..2].iter().all(|it| *it), "one in {every}");
             assert!(seen[4..].iter().all(|it| !it), "one in {every}: {seen:?}");
