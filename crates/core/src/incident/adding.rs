@@ -60,12 +60,15 @@ impl Incident {
         self.fuse(warning.timestamp);
     }
 
-    /// Takes that the warning at a place is about another fault, as it turned out; returns its part, if it was raised for that
-    /// fault alone. What it was raised for before stays.
-    pub(super) fn give_up(&mut self, place: usize) -> Option<Part> {
+    /// Takes that the warning at a place has turned out at `at` to be about another fault. Returns its part if it was raised for
+    /// that fault alone; otherwise the part stays. The level stays, too: it was
+    /// reported.
+    pub(super) fn give_up(&mut self, place: usize, at: Timestamp) -> Option<Part> {
         let part = self.parts[place].as_mut()?;
         part.stands = false;
-        if part.raises == 1 { self.parts[place].take() } else { None }
+        let given = if part.raises == 1 { self.parts[place].take() } else { None };
+        self.fuse(at);
+        given
     }
 
     /// Takes the residual by which an observer's detector was raised before it was known to be of this incident.

@@ -96,7 +96,7 @@ impl Incidents {
         })
     }
 
-    /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.
+    /// Takes a warning in the order of time; [`Self::follow`] then reports what became of its incident.
     ///
     /// That C1 and C2 were never calibrated is no incident. What comes of it is one: the warning then changes.
     pub fn take(&mut self, warning: &Warning) {
@@ -105,7 +105,7 @@ impl Incidents {
             cylinder.revise(&Warning { state: State::Cleared, ..*warning });
             return;
         }
-        let raised = cylinder.as_raised(warning);
+        let raised = cylinder.take_out(warning);
         match warning.state {
             State::Changed if cylinder.revise(warning) => {}
             State::Raised | State::Changed => {
@@ -371,8 +371,9 @@ impl OfCylinder {
         (0..MOST_AT_ONCE).filter(|place| order(place).is_some()).max_by_key(order)
     }
 
-    /// A warning as it was raised, if it leaves the incident to which it belongs: its fault began then, and was that large.
-    fn as_raised(&mut self, warning: &Warning) -> Warning {
+    /// Takes a warning out of the incident that it has turned out not to belong to, and returns it as it was raised: its fault
+    /// began then, and was that large. Returns any other warning as it is.
+    fn take_out(&mut self, warning: &Warning) -> Warning {
         if warning.state != State::Changed {
             return *warning;
         }
@@ -381,7 +382,8 @@ impl OfCylinder {
             open.incident.parts[warning.place].is_some_and(|part| part.stands)
                 && open.is_left_by(warning)
         };
-        let part = open.find(is_left).and_then(|it| it.incident.give_up(warning.place));
+        let part =
+            open.find(is_left).and_then(|it| it.incident.give_up(warning.place, warning.timestamp));
         let Some(part) = part else {
             return *warning;
         };

@@ -96,6 +96,26 @@ fn the_fault_of_the_last_transducer_is_an_incident_of_its_own() {
             let first = story.incidents.standing(at(251.0)).find(|it| it.number == 1);
             let first = first.expect("C1 is still out");
             assert!(first.part(Fde2).is_none() && first.part(PlausibilityOfC1).is_some());
+            assert_eq!((first.fault, first.size), (Fault::Stale, None), "the step was C2's");
         }
     }
+}
+
+/// C1 is out for minutes. FDE2 was raised for a moment, undecided, and is raised again for what C2 is named for.
+#[test]
+fn what_the_observer_had_found_before_stays_where_it_was() {
+    let mut story = Story::new();
+    story.raise(220.0, PlausibilityOfC1, Fault::Stale, Suspect::C1, 0.0);
+    story.raise(220.5, Fde2, Fault::Noise, Suspect::Undecided, 1.2);
+    story.clear(221.5, Fde2);
+    story.raise(223.0, Fde2, Fault::Abrupt, Suspect::Undecided, 9.9);
+    let latched =
+        Finding { rule: Rule::LastTransducer, ..finding(Fault::Abrupt, Suspect::C2, 0.1e-3) };
+    story.say(223.3, Fde2, State::Changed, latched);
+    story.follow(223.3, [None, Some(1e-4), None, None]);
+    let own = story.told.iter().find(|it| it.suspect == Suspect::C2).expect("it is its own");
+    assert_eq!(own.begin, at(223.3), "when it was named: the part began for another reason");
+    let first = story.incidents.standing(at(224.0)).find(|it| it.suspect == Suspect::C1);
+    let part = *first.as_ref().and_then(|it| it.part(Fde2)).expect("it had been raised");
+    assert!(!part.stands && part.raises == 2);
 }
