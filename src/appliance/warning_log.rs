@@ -77,8 +77,8 @@ fn write(warning: &Warning, names: &MachineNames) {
     let suspect =
         story::transducer(finding.suspect).and_then(|it| names.of_transducer(warning.cylinder, it));
     macro_rules! log {
-        ($say:ident) => {
-            $say!(
+        ($level:ident) => {
+            $level!(
                 cylinder = warning.cylinder,
                 name = names.of_cylinder(warning.cylinder),
                 detector = warning.detector.name(),
@@ -119,8 +119,8 @@ fn log_incident(incident: &Incident, names: &MachineNames) {
     let (number, cylinder) = (incident.number, incident.scope.cylinder());
     let (suspect, level) = (incident.suspect.name(), incident.level.name());
     macro_rules! log {
-        ($say:ident, $more:expr) => {
-            $say!(
+        ($level:ident, $more:expr) => {
+            $level!(
                 incident = number,
                 cylinder,
                 suspect,

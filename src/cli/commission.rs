@@ -194,7 +194,7 @@ fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
     Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound, &with))
 }
 
-/// Tells a person at a terminal which step has begun.
+/// Shows on a terminal which step has begun.
 fn show(step: Step) {
     if std::io::stderr().is_terminal() {
         tell!("{}", progress(step));

@@ -94,7 +94,7 @@ fn studies() -> impl TypedValueParser<Value = &'static str> {
     let values = names.clone().into_iter().map(|it| PossibleValue::new(it.name).help(it.about));
     PossibleValuesParser::new(values).map(move |given| {
         let own = names.iter().find(|study| study.name == given);
-        own.map_or("", |study| study.name)
+        own.expect("it is one of the possible values").name
     })
 }
 
@@ -122,9 +122,9 @@ impl Evaluate {
             .map_err(|error| Failure::Wrong(error.to_string()))?;
         let stand = Stand::new(&tables, settings, &machine.database, &machine.design);
         let wrong = |error: StandError| Failure::Wrong(error.to_string());
-        // Whatever the call asks for that cannot be, before anything is done.
+        // First whatever cannot be carried out.
         plan.check(&stand).map_err(wrong)?;
-        // And where it cannot be written, before minutes have been spent on it.
+        // Then output that cannot be written, before minutes have been spent on it.
         let inputs = Inputs::new(machine.files(&self.config).chain(self.plant.files()));
         let wanted = [
             (self.output.as_deref(), Mark::Parts(&evaluation::JSON_PARTS)),
@@ -209,7 +209,7 @@ fn weights(text: &str) -> Result<Weights, String> {
     }
 }
 
-/// Does jobs on so many threads at once.
+/// Runs jobs on several threads.
 struct Threads<'a> {
     threads: usize,
     /// Counts the jobs.
@@ -229,7 +229,7 @@ impl Workers for Threads<'_> {
             for _ in 0..self.threads.min(count) {
                 let sender = sender.clone();
                 scope.spawn(move || {
-                    // Until there are no more, or the first one has failed.
+                    // Until no job is left, or one has failed and no result is received any more.
                     loop {
                         let index = next.fetch_add(1, Ordering::Relaxed);
                         if index >= count || sender.send((index, job(index))).is_err() {

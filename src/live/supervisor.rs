@@ -39,7 +39,7 @@ pub trait Surroundings: Journal {
     fn opened(&mut self, port: &dyn Port);
     /// Notes that the port is lost, or could not be opened. Called once for each new reason.
     fn lost(&mut self, reason: &str);
-    /// Notes that the gateway stops, and that the bus was not told, for `reason`.
+    /// Notes that the last status of a stopping gateway was not sent, for `reason`.
     fn report_not_sent(&mut self, reason: &str);
     /// Notes that `port` was open and is lost, whether or not the reason is new.
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {

@@ -264,8 +264,8 @@ fn tilted(part: &Part) -> Observation {
     Observation::new(part.raised, clause)
 }
 
-/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet. It
-/// agrees with the other reading, so an only transducer has none.
+/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet. Such
+/// evidence agrees with the other reading, and a cylinder with C1 alone has no other.
 fn testimony(incident: &Incident) -> Option<String> {
     if incident.is_alone() {
         return None;

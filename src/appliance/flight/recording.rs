@@ -70,7 +70,7 @@ impl Recording {
         self.number
     }
 
-    /// Takes what is told of its incident.
+    /// Notes the newest state of its incident.
     pub fn note(&mut self, incident: &Incident) {
         if self.told.len() < MOST_TOLD {
             self.told.push(*incident);

@@ -49,7 +49,7 @@ impl Audience {
         Ok(receiver)
     }
 
-    /// Tells everybody what `event` makes, if there is anybody.
+    /// Sends what `event` makes to all who watch; it is not called if none do.
     pub fn send(&self, event: impl FnOnce() -> Bytes) {
         let mut watchers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if watchers.is_empty() {

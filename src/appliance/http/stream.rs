@@ -24,7 +24,7 @@ pub(super) async fn stream(
     (headers, Body::new(Pieces::of(events, connection))).into_response()
 }
 
-/// Tells the audience, again and again, what is new.
+/// Sends the news to the audience, once a period.
 pub(super) async fn broadcast(shared: Shared) {
     let mut period = tokio::time::interval(PERIOD);
     let mut feed = TrendFeed::default();

@@ -121,7 +121,7 @@ impl BusSource {
         }
     }
 
-    /// Tells how it is now, in the words of the gateway's page.
+    /// Sends the present state, in the form of the gateway's page.
     fn send(&self, feed: &mut TrendFeed, send: &mut dyn FnMut(News) -> bool) -> bool {
         let (telemetry, clock) = (self.ear.recorder.telemetry(), self.ear.recorder.clock());
         let overview = telemetry.overview(clock.uptime(), clock.system());

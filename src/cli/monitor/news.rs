@@ -13,7 +13,7 @@ pub trait NewsSource: Send {
     /// What is watched, for people: `can0`, `http://127.0.0.1:9481`.
     fn name(&self) -> String;
 
-    /// Sends what is known, about twice a second, until `send` returns that nobody listens any more.
+    /// Sends what is known, about twice a second, until `send` returns false, as no one listens any more.
     fn watch(&mut self, send: &mut dyn FnMut(News) -> bool);
 }
 

@@ -335,7 +335,6 @@ fn suspects(figures: &SuspectFigures) -> String {
     format!("{right}/{undecided}/{process}/{wrong}")
 }
 
-/// Events a year, with as many digits as are significant.
 /// Median and 95th percentile of lengths in m, where there are any.
 fn millimetres(both: &Option<[f64; 2]>) -> String {
     let text =
@@ -343,6 +342,7 @@ fn millimetres(both: &Option<[f64; 2]>) -> String {
     both.map_or_else(|| "–".to_owned(), text)
 }
 
+/// Events a year, with as many digits as are significant.
 fn rate(per_year: f64) -> String {
     match per_year {
         0.0 => "0".to_owned(),

@@ -69,14 +69,14 @@ impl Register {
     }
 
     /// Takes the findings of the detectors of the cylinder of `index` at `at`, and passes a warning
-    /// to `say` for each that is raised, changed or cleared. Returns whether there was one;
+    /// to `report` for each that is raised, changed or cleared. Returns whether there was one;
     /// [`Self::due`] may then have changed.
     pub fn update(
         &mut self,
         at: Timestamp,
         index: usize,
         findings: &[Option<Finding>; PLACES],
-        mut say: impl FnMut(Warning),
+        mut report: impl FnMut(Warning),
     ) -> bool {
         let mut is_news = false;
         for (place, finding) in findings.iter().enumerate() {
@@ -105,7 +105,7 @@ impl Register {
                 }
             };
             let (cylinder, detector) = (index as u8 + 1, DETECTORS[place]);
-            say(Warning { timestamp: at, cylinder, detector, place, state, finding });
+            report(Warning { timestamp: at, cylinder, detector, place, state, finding });
             is_news = true;
         }
         if is_news {
@@ -134,13 +134,13 @@ impl Register {
         self.standing as usize == self.times().count() && self.due == self.times().min()
     }
 
-    /// Passes to `say` every warning whose repetition is due by `at`.
-    pub fn repeat(&mut self, at: Timestamp, mut say: impl FnMut(u8, Detector, &Finding)) {
+    /// Passes to `report` every warning whose repetition is due by `at`.
+    pub fn repeat(&mut self, at: Timestamp, mut report: impl FnMut(u8, Detector, &Finding)) {
         for (index, places) in self.places.iter_mut().enumerate() {
             for (place, standing) in places.iter_mut().enumerate() {
                 if let Some(standing) = standing.as_mut().filter(|s| s.repeat_at <= at) {
                     standing.repeat_at = at.after(REPEAT);
-                    say(index as u8 + 1, DETECTORS[place], &standing.finding);
+                    report(index as u8 + 1, DETECTORS[place], &standing.finding);
                 }
             }
         }

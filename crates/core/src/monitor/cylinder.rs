@@ -46,7 +46,7 @@ pub use tally::Tally;
 use tilted::Tilted;
 use trip::Trip;
 
-const TRANSDUCERS: [Transducer; 2] = [Transducer::C1, Transducer::C2];
+const TRANSDUCERS: [Transducer; 2] = Transducer::ALL;
 
 /// The monitor of one cylinder.
 #[derive(Clone, Debug)]

@@ -191,7 +191,7 @@ impl Monitor {
         self.each_reading(place, |inputs, transducer| inputs.doubt(transducer));
     }
 
-    /// Tells that the frames of a page, of which `frame` is one, are in doubt now, or are no longer.
+    /// Reports that the frames of a page, of which `frame` is one, are in doubt now, or are no longer.
     fn report_doubt(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
         let cycle = self.clock.number();
         let dispute = &mut self.stations[place.0].pages[place.1].slot.dispute;

@@ -11,7 +11,7 @@ use crate::process::{OilSample, Process, ProcessParameters, SupplyWatch};
 use crate::sequential::{Archive, DwellHistory, Sampling, Sequential, stops};
 use crate::time::Timestamp;
 
-/// Cylinders whose chambers are odd at once, below which it is no fault of what they share.
+/// Fewest cylinders with odd chambers at once that point to their supply.
 const MIN_ODD_CYLINDERS: usize = 2;
 
 /// Interval at which the sampling is checked, cycles.
@@ -48,7 +48,7 @@ impl Monitor {
         self.supply.as_deref()
     }
 
-    /// Takes what all cylinders say of their supply at the end of a cycle.
+    /// Judges the supply by all cylinders at the end of a cycle.
     pub(super) fn follow_supply(&mut self, at: Timestamp) {
         let odd = |cylinder: &Cylinder| cylinder.process().is_some_and(Process::has_odd_chambers);
         let odd = self.cylinders.iter().filter(|cylinder| odd(cylinder)).count();
@@ -84,8 +84,7 @@ impl Monitor {
         self.supply.iter_mut().for_each(|supply| supply.interrupt());
     }
 
-    /// Lays pressures that do not add up in most cylinders at once, of which `odd` are, on the supply, which is what they
-    /// have in common.
+    /// Attributes chamber pressures that do not add up to the supply where most cylinders have them at once; `odd` do.
     #[cold]
     fn follow_chambers(&mut self, odd: usize) {
         let comparing = self.cylinders.iter().filter_map(Cylinder::process);
@@ -168,7 +167,7 @@ impl Monitor {
     }
 }
 
-/// Asks the other cylinders, for each with an alarm that blames nobody, whether the sampling may be
+/// Asks the other cylinders, for each with an alarm without a suspect, whether the sampling may be
 /// the cause.
 fn ask_others(cylinders: &mut [Cylinder]) {
     for index in 0..cylinders.len() {

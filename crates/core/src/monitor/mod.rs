@@ -212,7 +212,7 @@ impl Monitor {
         self.last = Some(now);
     }
 
-    /// Closes the open cycle at its deadline, because no frame follows, and tells of the incidents that are not
+    /// Closes the open cycle at its deadline, because no frame follows, and reports the incidents that are not
     /// over.
     pub fn finish(&mut self, sink: &mut impl Sink) {
         if let Some(Due::Close(at)) = self.clock.due() {
@@ -298,7 +298,7 @@ impl Monitor {
         self.follow_tilt(at);
         self.report_machine(at, sink);
         self.clock.close();
-        self.end_hearing(at, sink);
+        self.follow_silence(at, sink);
     }
 
     /// Handles a cycle that did not open: the observers predict over it.
@@ -315,7 +315,7 @@ impl Monitor {
             }
         }
         self.report_machine(at, sink);
-        self.end_hearing(at, sink);
+        self.follow_silence(at, sink);
     }
 
     fn evaluate(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {

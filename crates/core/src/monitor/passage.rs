@@ -4,7 +4,7 @@ use super::Monitor;
 use super::reporting::STATUS_PERIOD;
 use super::sink::{Notice, Sink};
 use super::subscriptions::{SubscribedSignal, Target};
-use crate::frame::{BusNumber, Buses};
+use crate::frame::BusNumber;
 use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;
 use crate::time::{Span, Timestamp};
@@ -83,7 +83,7 @@ impl Monitor {
         }
         self.counts.interruptions += 1;
         self.advance(at, sink);
-        // Not before what was told already; a clock that was set has told so, and counts anew.
+        // Not before what was reported already; a clock that was set was reported, and counts anew.
         let at = self.last.map_or(at, |last| last.max(at));
         sink.notice(&Notice::Interruption { at, bus: None });
         self.incidents.cut(at, |incident| sink.incident(incident));
@@ -161,17 +161,12 @@ impl Monitor {
         self.lose_supply();
     }
 
-    /// Ends the listening of a cycle, at `at`.
-    pub(super) fn end_hearing(&mut self, at: Timestamp, sink: &mut impl Sink) {
+    /// Takes the buses that were heard in a cycle that ends at `at`, and reports silence.
+    pub(super) fn follow_silence(&mut self, at: Timestamp, sink: &mut impl Sink) {
         let heard = core::mem::take(&mut self.heard);
         if let Some(silence) = &mut self.silence {
             silence.follow(heard, |bus, silent| sink.notice(&Notice::Silence { at, bus, silent }));
         }
-    }
-
-    /// Buses that are silent while another one is heard.
-    pub fn silent_buses(&self) -> Buses {
-        self.silence.as_ref().map_or(Buses::NONE, |silence| silence.reported)
     }
 
     /// Does everything that falls due before `now`, in the order of time.

@@ -14,7 +14,7 @@ pub(super) struct Silence {
     /// Cycles since each bus was heard last, in which another one was.
     cycles: [u64; BusNumber::ALL.len()],
     /// Buses of which it was reported that they are silent.
-    pub reported: Buses,
+    reported: Buses,
 }
 
 state! {
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bus_that_falls_silent_is_told_once_and_again_when_it_is_heard() {
+    fn a_bus_that_falls_silent_is_reported_once_and_again_when_it_is_heard() {
         let mut silence = silence();
         assert_eq!(reports(&mut silence, 100, &[FIRST, SECOND]), []);
         assert_eq!(reports(&mut silence, 5, &[FIRST]), []);

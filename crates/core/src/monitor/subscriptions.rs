@@ -26,7 +26,7 @@ pub struct SubscribedSignal {
     pub target: Target,
 }
 
-/// Service by which a CANopen device tells of itself.
+/// Service by which a CANopen device reports on itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceService {
     /// EMCY.

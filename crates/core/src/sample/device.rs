@@ -153,7 +153,7 @@ pub struct DeviceWatch {
     /// Whether the state came after the last cycle.
     fresh: bool,
     fault: Option<Emergency>,
-    /// State that was told.
+    /// State that was reported last.
     reported: DeviceState,
     complaint: Option<Emergency>,
 }
@@ -239,7 +239,7 @@ impl DeviceWatch {
         self.design.node
     }
 
-    /// What has to be told and was not yet, one at a time.
+    /// News that was not reported yet, one at a time.
     pub fn take_news(&mut self) -> Option<DeviceNews> {
         if self.reported != self.state {
             self.reported = self.state;

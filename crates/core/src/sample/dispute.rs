@@ -95,7 +95,7 @@ impl Dispute {
     pub fn doubt(&mut self, doubt: Doubt, cycle: u64) {
         let until = cycle.saturating_add(DOUBTED);
         self.until[doubt as usize] = until;
-        // One more, in which it is told that it is over.
+        // One more, in which its end is reported.
         self.usual_from = self.usual_from.max(until.saturating_add(1));
     }
 
@@ -135,7 +135,7 @@ impl Dispute {
         }
     }
 
-    /// What changed by `cycle` and was not told yet: a doubt, and whether it is over.
+    /// A doubt that changed by `cycle` and was not reported yet, and whether it is over.
     pub fn take_news(&mut self, cycle: u64) -> Option<(Doubt, bool)> {
         Doubt::OF_READINGS.into_iter().find_map(|doubt| {
             let i = doubt as usize;

@@ -43,7 +43,7 @@ pub struct SyncWatch {
     extra: u32,
     forgotten_from: u64,
     window: Option<SyncWindow>,
-    /// What was told last.
+    /// The doubt that was reported last.
     reported: Option<Doubt>,
 }
 

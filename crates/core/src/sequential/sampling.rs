@@ -62,27 +62,27 @@ impl Sampling {
         &mut self,
         cylinders: impl Iterator<Item = SamplingEvidence>,
     ) -> Option<(Apart, Option<bool>)> {
-        let (mut seen_by, mut count) = ([SamplingEvidence::default(); MOST], 0);
-        for (place, one) in seen_by.iter_mut().zip(cylinders) {
+        let (mut evidence, mut count) = ([SamplingEvidence::default(); MOST], 0);
+        for (place, one) in evidence.iter_mut().zip(cylinders) {
             *place = one;
             count += 1;
         }
-        let seen_by = &seen_by[..count];
+        let evidence = &evidence[..count];
         if count < P.least_cylinders {
             return None;
         }
         let [fast, slow] = [0, 1].map(|which: usize| Middle {
-            mean: middle(seen_by, |one| one.seen[which].mean),
-            square: middle(seen_by, |one| one.seen[which].square),
+            mean: middle(evidence, |one| one.seen[which].mean),
+            square: middle(evidence, |one| one.seen[which].square),
         });
-        let known = middle(seen_by, |one| one.known);
+        let known = middle(evidence, |one| one.known);
         let mean =
             if (fast.mean - slow.mean).abs() > P.least_apart { fast.mean } else { slow.mean };
         let mean = if mean.abs() > P.least_apart { mean } else { 0.0 };
-        let change = self.judge_change(seen_by, slow, known);
+        let change = self.judge_change(evidence, slow, known);
         let limit = limit(known);
         let perhaps = !self.changed && fast.may_be_beyond(limit);
-        let changing = change == Some(true) || perhaps && surely(seen_by, 0, limit);
+        let changing = change == Some(true) || perhaps && surely(evidence, 0, limit);
         let spread = libm::sqrt(fast.square.max(slow.square).max(0.0));
         Some((Apart { mean, spread, changing, changed: self.changed }, change))
     }
@@ -90,13 +90,13 @@ impl Sampling {
     /// Reports what is known for sure.
     fn judge_change(
         &mut self,
-        seen_by: &[SamplingEvidence],
+        evidence: &[SamplingEvidence],
         slow: Middle,
         known: f64,
     ) -> Option<bool> {
         let limit = limit(known);
         let moved = || {
-            let error = libm::sqrt(middle(seen_by, |one| one.seen[1].mean_variance));
+            let error = libm::sqrt(middle(evidence, |one| one.seen[1].mean_variance));
             slow.mean.abs() - P.sure * error > P.least_apart
         };
         let now = if self.changed {
@@ -104,7 +104,7 @@ impl Sampling {
             !over
         } else {
             slow.mean.abs() > P.least_apart && moved()
-                || slow.may_be_beyond(limit) && surely(seen_by, 1, limit)
+                || slow.may_be_beyond(limit) && surely(evidence, 1, limit)
         };
         (core::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
@@ -133,20 +133,20 @@ fn limit(known: f64) -> f64 {
 /// Whether the random part surely exceeds `limit`, s, by the newest half second (0) or half minute
 /// (1).
 #[cold]
-fn surely(seen_by: &[SamplingEvidence], which: usize, limit: f64) -> bool {
+fn surely(evidence: &[SamplingEvidence], which: usize, limit: f64) -> bool {
     let least = |one: &SamplingEvidence| {
         let seen = one.seen[which];
         seen.square - P.sure * libm::sqrt(seen.square_variance)
     };
-    middle(seen_by, least) > limit * limit
+    middle(evidence, least) > limit * limit
 }
 
 /// The lower median.
-fn middle(seen_by: &[SamplingEvidence], of: impl Fn(&SamplingEvidence) -> f64) -> f64 {
+fn middle(evidence: &[SamplingEvidence], of: impl Fn(&SamplingEvidence) -> f64) -> f64 {
     // Integers in the order of the numbers, which are compared at once.
     let key = |bits: i64| bits ^ ((bits >> 63) as u64 >> 1) as i64;
     let mut keys = [0; MOST];
-    for (count, one) in seen_by.iter().enumerate().take(MOST) {
+    for (count, one) in evidence.iter().enumerate().take(MOST) {
         let one = key(of(one).to_bits() as i64);
         let mut place = count;
         while place > 0 && keys[place - 1] > one {
@@ -155,7 +155,7 @@ fn middle(seen_by: &[SamplingEvidence], of: impl Fn(&SamplingEvidence) -> f64) -
         }
         keys[place] = one;
     }
-    f64::from_bits(key(keys[(seen_by.len() - 1) / 2]) as u64)
+    f64::from_bits(key(keys[(evidence.len() - 1) / 2]) as u64)
 }
 
 #[cfg(test)]
@@ -164,7 +164,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    fn seen_by(mean: f64, spread: f64) -> SamplingEvidence {
+    fn evidence_of(mean: f64, spread: f64) -> SamplingEvidence {
         let (square, square_variance) = (spread * spread, 1e-18);
         let seen = Seen { mean, mean_variance: 1e-10, square, square_variance };
         SamplingEvidence { seen: [seen; 2], known: 1e-4 }
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn what_most_cylinders_show_is_told_once_and_when_it_is_over() {
         let mut sampling = Sampling::default();
-        let (healthy, jitter) = (seen_by(1e-5, 1e-4), seen_by(0.0, 5e-4));
+        let (healthy, jitter) = (evidence_of(1e-5, 1e-4), evidence_of(0.0, 5e-4));
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(None));
         let (apart, change) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
         assert_eq!((apart.mean, apart.spread, change), (0.0, 5e-4, Some(true)));
@@ -186,14 +186,14 @@ mod tests {
         let (apart, change) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
         assert_eq!((apart.changing, change), (false, None), "it is known by now");
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(Some(false)));
-        let skew = judge(&mut sampling, &[seen_by(-3e-4, 1e-4); 6]);
+        let skew = judge(&mut sampling, &[evidence_of(-3e-4, 1e-4); 6]);
         assert_eq!(skew.map(|(apart, change)| (apart.mean, change)), Some((-3e-4, Some(true))));
     }
 
     #[test]
     fn what_may_be_chance_is_not_told() {
         for (mean, spread) in [(-3e-4, 1e-4), (3e-4, 1e-4), (0.0, 5e-4)] {
-            let sure = seen_by(mean, spread);
+            let sure = evidence_of(mean, spread);
             let vague = Seen { mean_variance: 1e-6, square_variance: 1e-12, ..sure.seen[0] };
             let mut sampling = Sampling::default();
             let change = judge(&mut sampling, &[SamplingEvidence { seen: [vague; 2], ..sure }; 6]);
@@ -206,12 +206,12 @@ mod tests {
     fn the_middle_is_that_of_those_in_order() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for count in 1..=MOST {
-            let seen_by: Vec<SamplingEvidence> =
-                (0..count).map(|_| seen_by(rng.random_range(-1.0..1.0), 0.0)).collect();
-            let mut means: Vec<f64> = seen_by.iter().map(|one| one.seen[0].mean).collect();
+            let evidence: Vec<SamplingEvidence> =
+                (0..count).map(|_| evidence_of(rng.random_range(-1.0..1.0), 0.0)).collect();
+            let mut means: Vec<f64> = evidence.iter().map(|one| one.seen[0].mean).collect();
             means.sort_unstable_by(f64::total_cmp);
             assert_eq!(
-                middle(&seen_by, |one| one.seen[0].mean),
+                middle(&evidence, |one| one.seen[0].mean),
                 means[(count - 1) / 2],
                 "{means:?}"
             );
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn two_cylinders_of_six_are_no_majority_and_two_alone_have_none() {
-        let (healthy, off) = (seen_by(0.0, 1e-4), seen_by(2e-3, 2e-3));
+        let (healthy, off) = (evidence_of(0.0, 1e-4), evidence_of(2e-3, 2e-3));
         let (apart, change) =
             judge(&mut Sampling::default(), &[off, healthy, healthy, off, healthy, healthy])
                 .expect("they are enough");

@@ -1,4 +1,4 @@
-//! What is asked of an evaluation.
+//! The extent of an evaluation.
 
 use super::grade::{Cell, Grade};
 use tertius_learn::tune::Weights;

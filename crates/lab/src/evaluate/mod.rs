@@ -20,7 +20,7 @@
 //! the machine first ([`Stand::learn`]).
 //!
 //! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
-//! cylinders themselves, [`handover`] what it is worth that a machine hears who is blamed, [`side`] whose drift it is
+//! cylinders themselves, [`handover`] what a machine gains whose controller uses the warnings, [`side`] whose drift it is
 //! inside the loop, and [`hexapod`] the same by the attitude of the deck. [`last`] tries the faults of a transducer that
 //! has no other one beside it any more, [`accommodate`] the estimate by one whose step is subtracted.
 //!

@@ -57,7 +57,7 @@ macro_rules! studies {
                 Ok(Self { seed, $($key: <$study>::planned(seed, &extent),)* extent })
             }
 
-            /// Refuses, before anything takes time, what the plan asks for and cannot be.
+            /// Refuses, before anything is simulated, a plan that cannot be carried out.
             ///
             /// # Errors
             /// If the configuration's machine cannot be simulated, or not in a sea of the plan; or see [`Study::check`].

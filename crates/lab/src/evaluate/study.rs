@@ -1,4 +1,4 @@
-//! What a study is: what it tries on simulated machines, and how the results become figures.
+//! A study: its trials on simulated machines, and how the results become figures.
 
 use super::extent::{Extent, StudyName};
 use super::stand::{Stand, StandError};
@@ -29,17 +29,15 @@ pub trait Study: Sized + Sync {
     fn planned(seed: u64, extent: &Extent) -> Option<Self>;
 
     /// Whether it can be tried on the machine of `settings`; one that cannot is left out unless it is asked for by name.
-    fn fits(settings: &Settings) -> bool {
-        _ = settings;
+    fn fits(_: &Settings) -> bool {
         true
     }
 
-    /// Refuses, before anything takes time, what the call asks for and cannot be.
+    /// Refuses, before anything is simulated, a study that cannot be carried out.
     ///
     /// # Errors
-    /// It cannot be.
-    fn check(&self, stand: &Stand) -> Result<(), StandError> {
-        _ = stand;
+    /// It cannot be carried out on this machine.
+    fn check(&self, _: &Stand) -> Result<(), StandError> {
         Ok(())
     }
 
@@ -48,7 +46,7 @@ pub trait Study: Sized + Sync {
         0
     }
 
-    /// Learns what the lesson of this index teaches.
+    /// Does the lesson of this index.
     ///
     /// # Errors
     /// There is no such machine, or it teaches nothing.
@@ -130,7 +128,7 @@ impl<'a, S: Study> TaughtStudy<'a, S> {
     }
 }
 
-/// Figures of a part of the trials are not given as if it were all.
+/// Figures of some of the trials must not pass for those of all.
 const fn check_all(done: usize, of: usize) -> Result<(), StandError> {
     if done == of { Ok(()) } else { Err(StandError::Unfinished { done, of }) }
 }

@@ -1,4 +1,4 @@
-//! Whoever does the lessons and trials: on one thread here, on many where there are threads.
+//! Runs lessons and trials: on one thread here, on many where there are threads.
 
 use super::stand::StandError;
 

@@ -207,7 +207,7 @@ impl SparkplugSession {
         Ok(())
     }
 
-    /// Says what has changed.
+    /// Publishes the values that have changed.
     async fn publish_changes(&mut self) -> Result<(), MqttTrouble> {
         let (points, at) = self.now();
         let period = self.desk.plan.period;

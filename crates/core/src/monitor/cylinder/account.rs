@@ -44,7 +44,7 @@ impl Cylinder {
         // This one has been counted.
         let before = self.account.tally.cycles - 1;
         let reasons = [0, 1].map(|i| self.has(TRANSDUCERS[i]).then(|| self.not_judged(i, cycle)));
-        self.account.blanks.change(judged, cycle.now.opened, before, |i| reasons[i]);
+        self.account.blanks.change(judged, cycle.now.opened, before, reasons);
     }
 
     fn not_judged(&self, i: usize, cycle: &Cycle) -> NotJudged {

@@ -95,7 +95,7 @@ impl Blanks {
         self.open.iter_mut().flatten().for_each(|begun| begun.before = 0);
     }
 
-    /// Whether each that is open began within the first so many cycles.
+    /// Whether each that is open began within the first `cycles` cycles.
     pub fn begin_before(&self, cycles: u64) -> bool {
         self.open.iter().flatten().all(|begun| begun.before <= cycles)
     }
@@ -119,14 +119,14 @@ impl Blanks {
         judged: [bool; 2],
         opened: Timestamp,
         before: u64,
-        reason: impl Fn(usize) -> Option<NotJudged>,
+        reasons: [Option<NotJudged>; 2],
     ) {
         for (i, judged) in judged.into_iter().enumerate() {
             if judged {
                 self.end(i, opened, before);
             } else if self.open[i].is_none() {
                 let begin = |reason| Begun { from: opened, before, reason };
-                self.open[i] = reason(i).map(begin);
+                self.open[i] = reasons[i].map(begin);
             }
         }
         self.judged = judged;
@@ -142,7 +142,7 @@ impl Blanks {
         self.longest.iter().flatten().flatten().copied().chain(lasting)
     }
 
-    /// Cycles in them of transducer `i`, the cylinder having had so many `cycles`.
+    /// Cycles in them of transducer `i`, the cylinder having had `cycles` of them.
     pub fn count(&self, i: usize, cycles: u64) -> u64 {
         self.cycles[i] + self.open[i].map_or(0, |open| cycles - open.before)
     }

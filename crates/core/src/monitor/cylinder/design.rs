@@ -25,7 +25,8 @@ pub struct CylinderDesign {
     /// Fields that a complete cycle has, by [`crate::sample::Field::bit`].
     pub required: u16,
     /// Fields for which a cycle is held open until its deadline: the required ones, and pressures and the spool where they are
-    /// read and come often enough, which never make a cycle incomplete. See [`crate::sample::Awaited`].
+    /// read, which never make a cycle incomplete. Those that come too seldom are no longer awaited then, see
+    /// [`crate::sample::Awaited`].
     pub awaited: u16,
     /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
     pub limits: [PlausibilityLimits; 2],

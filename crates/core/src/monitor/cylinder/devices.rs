@@ -1,4 +1,4 @@
-//! The CANopen devices of a cylinder, and what they report of themselves.
+//! The CANopen devices of a cylinder, and what they report on themselves.
 
 use super::TRANSDUCERS;
 use super::readings::Readings;

@@ -1,6 +1,6 @@
 //! FDE1, FDE2 and FDE3: observers on C1 and C2, and the thresholds of R1, R2 and R3 (thesis, chapter 5).
 //!
-//! An observer follows each reading (5-4), a wild one, too, and is then off to the other side. Beside an observer whose
+//! An observer follows each reading (5-4), wild ones too. After one it is off in the other direction. Beside an observer whose
 //! innovation exceeds its threshold, a copy goes on that no position corrects. If the readings come back, the observer goes on
 //! from the copy; if they stay, it is a fault, and the observer has followed it as the thesis has it.
 
@@ -18,7 +18,7 @@ pub(super) struct Fde {
     /// Observers as if the newest readings had not corrected them, which may be wild.
     uncorrected: [Option<Uncorrected>; 2],
     pub bank: Bank,
-    /// Part of a residual that stays where it is no wild sample's.
+    /// Part of a residual that remains where it is not a wild sample's.
     stays: f64,
     /// Threshold of R1 and R2, m.
     high: f64,

@@ -67,7 +67,7 @@ impl Cylinder {
         if self.fde.bank.any_found() || sequential {
             self.take_standing(sequential);
         } else {
-            // Nearly always: nobody is blamed.
+            // Nearly always nothing is raised.
             self.blame.standing.rest();
         }
     }
@@ -174,7 +174,7 @@ impl Cylinder {
         let [r1, r2, _] = residuals.r;
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
         if raised == [false; 2] && !self.fde.bank.is_exceeded() {
-            // Nearly always: nobody disagrees.
+            // Nearly always neither observer disagrees.
             self.blame.agreement = Agreement::default();
         } else {
             let readings = PairState {

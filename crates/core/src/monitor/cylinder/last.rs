@@ -137,7 +137,7 @@ impl LastOne {
         (self.together, self.are_raised) = (Watched::default(), false);
     }
 
-    /// Takes an innovation of transducer `i` while it was not the last one, m, for so many `cycles`.
+    /// Takes an innovation of transducer `i` while it was not the last one, m, which counts for `cycles` cycles.
     #[inline]
     fn measure(&mut self, i: usize, residual: Option<f64>, cycles: u32, design: &CylinderDesign) {
         let Some(residual) = residual else { return };
@@ -174,8 +174,8 @@ impl Cylinder {
         let Some(reading) = cycle.good[0].or(cycle.good[1]) else { return };
         self.last.usual.extend(reading.position, cycle.command);
         if self.last.usual.calm.is_multiple_of(COUNTED_CYCLES) {
-            for (i, residual) in [0, 1].map(|i| (i, cycle.residuals.r[i])) {
-                self.last.measure(i, residual, COUNTED_CYCLES, &self.design);
+            for i in 0..2 {
+                self.last.measure(i, cycle.residuals.r[i], COUNTED_CYCLES, &self.design);
             }
         }
     }
@@ -344,5 +344,6 @@ impl Cylinder {
     }
 }
 
-/// While nothing is found one innovation in so many counts, for as many: nearly as good, and cheaper.
+/// While nothing is found, one innovation of this many cycles is taken, and counts for all of them: nearly as good, and
+/// cheaper.
 const COUNTED_CYCLES: u32 = 4;

@@ -35,8 +35,8 @@ impl Trip {
         }
     }
 
-    /// Takes the measured C1 − C2, m; `None` where the machine has nothing to compare. Once it has tripped, that is over when
-    /// `differ` is: when FDE3 no longer finds a difference.
+    /// Takes the measured C1 − C2, m; `None` where the machine has nothing to compare. Once it has tripped, that
+    /// lasts while `differ` holds: while FDE3 finds a difference.
     #[inline(always)]
     pub fn judge(&mut self, at: Timestamp, apart: Option<f64>, differ: bool) {
         self.apart = apart.unwrap_or(self.apart);

@@ -7,7 +7,7 @@ use crate::state::whole;
 pub struct UnnamedBits {
     /// All of them since the start.
     seen: u64,
-    /// Those of them that nobody has been told of.
+    /// Those of them that were not reported yet.
     untold: u64,
 }
 

@@ -76,16 +76,7 @@ impl RowStudy {
 }
 
 impl Study for RowStudy {
-    const NAMES: &'static [StudyName] = &[
-        RowGroup::ALL[0].study(),
-        RowGroup::ALL[1].study(),
-        RowGroup::ALL[2].study(),
-        RowGroup::ALL[3].study(),
-        RowGroup::ALL[4].study(),
-        RowGroup::ALL[5].study(),
-        RowGroup::ALL[6].study(),
-        RowGroup::ALL[7].study(),
-    ];
+    const NAMES: &'static [StudyName] = &RowGroup::STUDIES;
     type Job = RowJob;
     type Taught = ();
     type Product = RowProduct;

@@ -40,6 +40,17 @@ impl RowGroup {
         self.study().name
     }
 
+    /// The studies of [`Self::ALL`].
+    pub const STUDIES: [StudyName; Self::ALL.len()] = {
+        let mut studies = [Self::Step.study(); Self::ALL.len()];
+        let mut at = 0;
+        while at < studies.len() {
+            studies[at] = Self::ALL[at].study();
+            at += 1;
+        }
+        studies
+    };
+
     /// The study of this group alone.
     pub const fn study(self) -> StudyName {
         match self {

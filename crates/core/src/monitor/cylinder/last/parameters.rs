@@ -11,14 +11,14 @@ pub struct LastParameters {
     pub stays: f64,
     /// Part of it that an innovation against it takes back, 0.5 to 1; that of an observer which overshoots comes at once.
     pub returned: f64,
-    /// So many of 64 innovations beyond its limit are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
+    /// Number of 64 innovations beyond its limit from which on they are noise and not wild samples; 8 to 64. Noise of 2 σ has about 25. A wild
     /// sample has three: where one in a hundred is wild, as many meet about once in a thousand hours.
     pub noise: u32,
     /// The mean square of its innovations while it was not the last one is over this time, s.
     pub memory: f64,
-    /// An innovation counts in that as no more than so many δ_h: a fault is not what is usual.
+    /// The most that an innovation counts as in that mean, in δ_h: a fault is not usual.
     pub counted: f64,
-    /// So many standard deviations of the innovations in health are well above them, 6 to 12: a model that fits badly exceeds
+    /// Standard deviations of the innovations in health that are well above them, 6 to 12: a model that fits badly exceeds
     /// its threshold now and then.
     pub well_above: f64,
     /// Part of that from which on the transducer is named, although the displacement is not yet latched; 0.5 to 1.
@@ -28,10 +28,10 @@ pub struct LastParameters {
     pub near: f64,
     /// Part of the stroke at either end in which a stop may hold the rod.
     pub stop: f64,
-    /// A command is another motion from so many times the largest usual one on; 1 or more. In a sea the largest one so far is
+    /// Factor on the largest usual command from which on a command is another motion; 1 or more. In a sea the largest one so far is
     /// exceeded again and again.
     pub further: f64,
-    /// So many times what an observer takes to settle without a finding make known where the rod moves.
+    /// Settling times without a finding after which it is known where the rod moves.
     pub known: u32,
 }
 
