@@ -136,6 +136,48 @@ fn a_step_that_both_have_in_common_stands() {
     }
 }
 
+/// An observer that has followed a step is quiet, and is no evidence. The way of the rod is, where it shows the step back.
+#[test]
+fn the_latch_ends_when_the_rods_way_shows_that_the_reading_stepped_back() {
+    let yard = Yard::new();
+    let config = yard.path("config.toml");
+    let lesson = yard.simulate("lesson.log", ["1.5,7", "31"], 700, &[]);
+    tertius(&["calibrate", &lesson, "--config", &config, "--into", &config]).ok();
+    let begin = |n: u32| 330.0 + 10.0 * f64::from(n);
+    let end = |n: u32| begin(n) + 30.0;
+    let faults = |n: u32| {
+        let lost = format!("loss,cylinder={n},sensor=c1,at={},probability=1", begin(n) - 25.0);
+        let fault = format!("step,cylinder={n},sensor=c2,at={},size=0.025", begin(n));
+        let step = format!("{fault},until={}", end(n));
+        // Of cylinder 5 it comes back by half, and of cylinder 6 not at all.
+        let half = format!("step,cylinder=5,sensor=c2,at={},size=0.0125", end(5));
+        match n {
+            5 => vec![lost, step, half],
+            6 => vec![lost, fault],
+            _ => vec![lost, step],
+        }
+    };
+    let log = yard.simulate("healthy.log", ["1.5,7", "32"], 520, &[]);
+    let faults: Vec<_> = (1..=6).flat_map(faults).collect();
+    let faults: Vec<_> = faults.iter().map(String::as_str).collect();
+    let log = yard.inject(&log, "faulty.log", &faults);
+    let run = tertius(&["replay", &log, "--config", &config, "--format", "jsonl"]);
+    let records = run.stdout.lines().map(|it| serde_json::from_str::<Value>(it).expect("JSON"));
+    let of_c2 = |it: &Value| it["type"] == "warning" && it["suspect"] == "c2";
+    let warnings: Vec<_> = records.filter(of_c2).collect();
+    for n in 1..=6 {
+        let mut own = warnings.iter().filter(|it| it["cylinder"] == n);
+        let latched = own.any(|it| it["level"] == "black");
+        let cleared = own.find(|it| it["state"] == "cleared").map(|it| it["t"].as_f64());
+        let after = cleared.map(|it| it.expect("a time") - end(n));
+        let is_right = match after {
+            Some(after) => n <= 4 && (0.3..1.5).contains(&after),
+            None => n > 4,
+        };
+        assert!(latched && is_right, "cylinder {n}: {latched}, {after:?} s");
+    }
+}
+
 /// Without a second transducer no drive is learnt, and the model itself gives the velocity.
 #[test]
 fn a_fast_drift_of_an_only_transducer_is_found_by_the_model() {

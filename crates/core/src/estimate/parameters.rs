@@ -27,6 +27,8 @@ pub struct EstimateParameters {
     /// No rod is faster, m/s; above what the machine's cylinders reach. A length that is not followed for a
     /// cycle may have gone so far.
     pub fastest: f64,
+    /// An error of the last transducer that its supervision just does not find is this many deviations of the estimate.
+    pub unseen: f64,
     /// Standard deviations of what is not known of a fitted drive: of its velocity's error, m/s, and of
     /// the slope of that, m/s². Several times what fitted drives are off by.
     pub drive_unknown: [f64; 2],
@@ -43,6 +45,7 @@ impl EstimateParameters {
         disputed: 10.0,
         doubt: 4.0,
         fastest: 1.5,
+        unseen: 3.0,
         drive_unknown: [0.05, 0.1],
         pressure_unknown: 100.0,
     };

@@ -59,6 +59,8 @@ pub struct SensorInput {
     pub process: bool,
     /// What both readings may be off by alike, m.
     pub departs: f64,
+    /// The largest step of the only transducer that is left, m, that nothing would find.
+    pub unseen: f64,
     /// Transducers that are blamed for a step, and for nothing else.
     pub displaced: [bool; 2],
     /// Transducers whose residual is beyond its threshold in this cycle.
@@ -218,8 +220,8 @@ impl VirtualSensor {
                 let x = one.state() * part + other.state() * (1.0 - part);
                 (x, part * v1 + (1.0 - part) * v2 + 0.25 * usual.max(now * now))
             }
-            Source::C1 => (*one.state(), one.variance() + usual),
-            _ => (*other.state(), other.variance() + usual),
+            Source::C1 => (*one.state(), one.variance() + usual + self.unseen(input)),
+            _ => (*other.state(), other.variance() + usual + self.unseen(input)),
         };
         let used = [source != Source::C2, source != Source::C1];
         let startling = self.filters.iter().zip(used).filter(|(_, used)| *used);
@@ -244,6 +246,12 @@ impl VirtualSensor {
         let disputed = self.disputed > self.cycles.disputed;
         let alone = able && !input.undecided && !input.process && !disputed;
         Some(self.judged(x[0], variance, source, source == Source::Both || alone))
+    }
+
+    /// Variance of what nothing would find of the only transducer that is left, m².
+    fn unseen(&self, input: &SensorInput) -> f64 {
+        let sigma = input.unseen / self.design.parameters.unseen;
+        sigma * sigma
     }
 
     /// The estimate from the command alone.
@@ -301,7 +309,8 @@ impl VirtualSensor {
         let filter = &self.filters[i];
         let mut x = *filter.state();
         x[0] -= offset.size;
-        let variance = filter.variance() + self.differences.value() + offset.variance;
+        let unknown = self.differences.value() + offset.variance + self.unseen(input);
+        let variance = filter.variance() + unknown;
         let able = filter.evidence()[1] >= self.design.settle;
         self.growth.recall();
         self.carrier = Some(Carrier { x, variance, coasted: 0, able });

@@ -55,6 +55,7 @@ fn sound(cycle: u64) -> SensorInput {
         doubted: false,
         process: false,
         departs: 0.0,
+        unseen: 0.0,
     }
 }
 
@@ -179,6 +180,26 @@ fn one_alone_needs_a_model_that_is_not_in_doubt() {
         (SensorInput { process: true, departs: 0.01, ..sound(LEARNT) }, false),
     ] {
         assert_eq!(told(&mut learnt(), input).valid, valid, "{input:?}");
+    }
+}
+
+/// Of a machine whose threshold is 1.5 mm, a step of 1.2 mm is never found.
+#[test]
+fn a_step_of_the_last_one_that_nothing_finds_is_within_three_sigma() {
+    let stepped = |cycle, unseen| {
+        let input = sound(cycle);
+        let lengths = [None, input.lengths[1].map(|it| it + 1.2e-3)];
+        SensorInput { trusted: [false, true], lengths, unseen, ..input }
+    };
+    for (unseen, is_covered) in [(0.0, false), (1.5e-3, true)] {
+        let mut sensor = learnt();
+        let error = |at: u64| {
+            let it = told(&mut sensor, stepped(at, unseen));
+            assert!(it.valid, "{it:?}");
+            (it.position - rod(at)).abs() / it.sigma
+        };
+        let largest = (LEARNT..LEARNT + 500).map(error).fold(0.0, f64::max);
+        assert_eq!(largest <= 3.0, is_covered, "{unseen}: {largest} σ");
     }
 }
 

@@ -18,7 +18,7 @@ use super::{Cycle, Cylinder, CylinderDesign, TRANSDUCERS};
 use crate::estimate::mean::Mean;
 use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
-use crate::state::state;
+use crate::state::{state, whole};
 use crate::time;
 use course::ReckonedCourse;
 use free_model::FreeModel;
@@ -65,6 +65,17 @@ pub struct CourseError {
     /// Window in which it has come about, s.
     pub seconds: f64,
 }
+
+/// What readings are off by since a moment ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CourseJump {
+    /// m, signed.
+    pub error: f64,
+    /// What it is compared with, m.
+    pub limit: f64,
+}
+
+whole! { CourseJump { error, limit } }
 
 /// What is compared with dead reckoning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,19 +209,19 @@ impl DeadReckoning {
         self.ahead = if self.source == WaySource::Oil { 0.0 } else { way.unwrap_or_default() };
     }
 
-    /// What both readings, m, are off by since the last tick but one, and the limit of that, m; `None` where the way is not
+    /// What the readings, m, of these transducers are off by alike since the last tick but one; `None` where the way is not
     /// known since, or too little was learnt. Of the last tick itself a jump may be part already, which is known to be none
     /// of a wild reading three cycles later.
-    pub fn error_of(&self, lengths: [f64; 2]) -> Option<(f64, f64)> {
+    pub fn jump(&self, of: [usize; 2], lengths: [Option<f64>; 2]) -> Option<CourseJump> {
         let since = (self.next + HELD - 2) % HELD;
         let way = self.way - self.ahead;
         let error = |i: usize| {
             let ReckonedCourse { origin, errors, .. } = &self.courses[i];
-            Some(lengths[i] - way - (*origin)? - errors[since])
+            Some(lengths[i]? - way - (*origin)? - errors[since])
         };
         let limit = self.limit(1, self.distance - self.distances[since])?;
-        let error = common([error(0)?, error(1)?]);
-        (self.held >= 2).then_some((error, limit))
+        let error = common([error(of[0])?, error(of[1])?]);
+        (self.held >= 2).then_some(CourseJump { error, limit })
     }
 
     /// Takes the readings of a tick, m: judges what is `compared`, and learns the usual errors while nothing is found of the

@@ -80,12 +80,23 @@ impl Cylinder {
             resolved: is_resolved(&found) || self.last.any_latched(),
             process: blames(Suspect::Process),
             departs: self.last.shared.as_ref().map_or(0.0, SharedDeparture::size),
+            unseen: self.unseen_step([0, 1].map(|i| self.has(TRANSDUCERS[i]) && unblamed[i])),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
             beyond: [0, 1].map(|i| cycle.residuals.r[i].is_some_and(is_beyond)),
             doubted: self.is_last_doubted(&found, unblamed),
         };
         if let Some(estimated) = &mut self.estimated {
             estimated.newest = estimated.sensor.step(&input);
+        }
+    }
+}
+
+impl Cylinder {
+    /// The largest step, m, of the transducer that is left that its observer alone would not find; 0 where two are.
+    fn unseen_step(&self, is_left: [bool; 2]) -> f64 {
+        match is_left {
+            [true, true] | [false, false] => 0.0,
+            [is_c1, _] => self.last.least_step(usize::from(!is_c1), &self.design),
         }
     }
 }

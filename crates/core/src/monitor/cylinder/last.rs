@@ -2,8 +2,8 @@
 //!
 //! Nothing is left to compare it with but its own observer (thesis, section 5-7), so that observer alone names it. An
 //! observer follows a step within a few samples and is quiet then, which is no evidence that the reading is right again.
-//! A displacement of the last transducer is therefore latched, until the other one is back and agrees with it, or until
-//! it reads on the mechanical stop what it read there before.
+//! A displacement of the last transducer is therefore latched, until the other one is back and agrees with it, until it
+//! reads on the mechanical stop what it read there before, or until it steps back by as much, as the rod's way shows.
 //!
 //! The observer is evidence only in the motion in which it was quiet before. A controller that follows a faulty C1, or
 //! a rod that it drives to its end, makes the observer of a sound C2 disagree, too.
@@ -22,7 +22,7 @@ use crate::sample::{Quality, Transducer};
 use crate::state::whole;
 use crate::verdict::{Fault, Suspect, Verdict};
 pub(super) use departing::{SharedDeparture, common};
-use displacement::{Latch, Limits, Watched};
+use displacement::{Displacement, Latch, Limits, Watched};
 pub use parameters::LastParameters;
 use stop::Rest;
 use usual::{MotionRange, UsualMotion};
@@ -52,13 +52,11 @@ pub struct LastOne {
     together: Watched,
     /// Whether both observers were raised in the cycle before.
     are_raised: bool,
-    /// What dead reckoning shows of it, m, and the limit of that.
-    jump: Option<(f64, f64)>,
     /// Whether anything was found in the cycle before, or the rod stood on its stop.
     is_attended: bool,
 }
 
-whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, are_raised, jump, is_attended } }
+whole! { LastOne { of, rests, usual, difference, was_apart, has_joined, shared, together, are_raised, is_attended } }
 
 impl Default for LastOne {
     fn default() -> Self {
@@ -75,7 +73,6 @@ impl Default for LastOne {
             shared: None,
             together: Watched::default(),
             are_raised: false,
-            jump: None,
             is_attended: false,
         }
     }
@@ -145,6 +142,17 @@ impl LastOne {
         let (counted, power) = (residual.abs().min(most), &mut self.of[i].power);
         let share = f64::from(cycles) * design.bank.sample_time / design.last.memory;
         *power += share * (counted * counted - *power);
+    }
+
+    /// Innovation of transducer `i` that is well above the usual ones, m.
+    fn usual_step(&self, i: usize, design: &CylinderDesign) -> f64 {
+        design.last.well_above * libm::sqrt(self.of[i].power)
+    }
+
+    /// Innovation from which on the last transducer, `i`, is displaced, m. On a machine that the model fits badly a threshold
+    /// alone is no evidence.
+    pub fn least_step(&self, i: usize, design: &CylinderDesign) -> f64 {
+        design.bank.observer.high.max(self.usual_step(i, design))
     }
 
     /// Ends the latches, because there is evidence that the readings are right.
@@ -254,9 +262,9 @@ impl Cylinder {
             && self.is_seen_by_difference(i, cycle)
             && self.process.as_ref().is_none_or(|it| it.alarm().is_none());
         let high = self.design.bank.observer.high;
-        // On a machine that the model fits badly a threshold alone is no evidence.
-        let usual = self.design.last.well_above * libm::sqrt(self.last.of[i].power);
-        let limits = Limits { least: high.max(usual), ..Limits::of(&self.design, i) };
+        let usual = self.last.usual_step(i, &self.design);
+        let least = self.last.least_step(i, &self.design);
+        let limits = Limits { least, ..Limits::of(&self.design, i) };
         let is_apart = !self.readings.is_implausible(1 - i) && !self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let exceeds =
@@ -267,19 +275,41 @@ impl Cylinder {
             watched.beyond = 0;
             return;
         }
-        if watched.tried.is_none() {
+        let was_tried = watched.tried.is_some();
+        if !was_tried {
             self.last.was_apart = is_apart;
         }
         let confirmed = watched.confirm(residual, &limits);
-        if watched.latch.is_none() {
-            let fault = found.map_or(Fault::Unclassified, |found| found.fault);
-            watched.latch =
-                confirmed.map(|residual| Latch { fault, residual, threshold: high, departs: None });
-        } else if let (Some(latch), Some(found)) = (&mut watched.latch, found) {
+        if !was_tried && watched.tried.is_some() {
+            let shown = self.reckoning.as_ref().and_then(|it| it.jump([i; 2], cycle.lengths()));
+            watched.compare(shown, limits.stays);
+        }
+        if let (Some(latch), Some(found)) = (&mut watched.latch, found) {
             latch.fault = found.fault;
         }
-        if confirmed.is_some() && self.last.was_apart {
+        let Some(displacement) = confirmed else { return };
+        if watched.latch.is_some() {
+            self.take_return(i, displacement);
+        } else {
+            let fault = found.map_or(Fault::Unclassified, |found| found.fault);
+            let (residual, off) = (displacement.innovation(), displacement.step());
+            watched.latch = Some(Latch { fault, residual, threshold: high, off, departs: None });
+        }
+        if self.last.was_apart {
             self.join(i, cycle);
+        }
+    }
+
+    /// Takes another displacement of transducer `i`, which is latched. Ends the latch where the reading is back by as much
+    /// as it had stepped, and the rod's way shows that step, too: a rod that catches up looks the same to the observer.
+    fn take_return(&mut self, i: usize, displacement: Displacement) {
+        let has_joined = self.last.has_joined || self.last.is_latched(1 - i);
+        let watched = &mut self.last.of[i];
+        let Some(latch) = &mut watched.latch else { return };
+        latch.off = latch.off.zip(displacement.step()).map(|(off, step)| off + step);
+        let is_back = latch.off.is_some_and(|off| off.abs() <= latch.threshold);
+        if is_back && watched.jump.is_some() && !has_joined {
+            self.last.release();
         }
     }
 

@@ -1,9 +1,9 @@
 //! Departures from dead reckoning: of the last transducer, or of both alike.
 
-use super::displacement::{Latch, Limits, Watched};
+use super::displacement::{Displacement, Latch, Limits, Watched};
 use crate::alarm::{Evidence, Finding};
 use crate::blame::{Accuser, Blamed, Rule};
-use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError};
+use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError, CourseJump};
 use crate::monitor::cylinder::{Cycle, Cylinder};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
@@ -83,21 +83,17 @@ impl Cylinder {
         let limits = Limits { noise: u32::MAX, ..Limits::of(&self.design, 0) };
         let was_tried = last.together.tried.is_some();
         let confirmed = last.together.confirm(innovation, &limits);
-        if let (false, Some(jump)) = (was_tried, last.together.tried) {
-            let [c1, c2] = cycle.lengths();
-            let error = c1.zip(c2).and_then(|(c1, c2)| reckoning.error_of([c1, c2]));
-            last.jump = error.filter(|(off, limit)| {
-                off.abs() > *limit && (stays..1.0 / stays).contains(&(off / jump.first))
-            });
+        if !was_tried && last.together.tried.is_some() {
+            last.together.compare(reckoning.jump([0, 1], cycle.lengths()), stays);
         }
-        let Some(jump) = confirmed else { return };
+        let Some(jump) = confirmed.and_then(Displacement::step) else { return };
         let lasted = f64::from(limits.confirm) * self.design.bank.sample_time;
         let since = cycle.now.at.after(Span::from_seconds(-lasted));
-        last.shared = match (last.shared, last.jump) {
-            (None, Some((off, limit))) => {
+        last.shared = match (last.shared, last.together.jump) {
+            (None, Some(CourseJump { error: off, limit })) => {
                 Some(SharedDeparture { off, limit, since, is_jump: true })
             }
-            (Some(shared), Some((off, limit))) => shared.and(off, limit),
+            (Some(shared), Some(CourseJump { error, limit })) => shared.and(error, limit),
             // Back by as much, where the way is not known just then.
             (Some(shared), None) if jump / shared.off < -stays => shared.and(jump, shared.limit),
             (_, None) => return,
@@ -123,7 +119,8 @@ impl Cylinder {
             (_, Some(shared)) => last.shared = shared.and(residual, threshold),
             (Compared::Alone(i), None) => {
                 let fault = Fault::Incipient;
-                last.of[i].latch = Some(Latch { fault, residual, threshold, departs: Some(since) });
+                let departs = Some(since);
+                last.of[i].latch = Some(Latch { fault, residual, threshold, off: None, departs });
             }
             (_, None) => {
                 let (off, limit) = (residual, threshold);
@@ -140,7 +137,7 @@ impl Cylinder {
         let Some(latch) = self.last.of[i].latch else {
             return found.map(|found| self.found(found, blamed));
         };
-        let Latch { fault, residual, threshold, departs } = latch;
+        let Latch { fault, residual, threshold, departs, .. } = latch;
         let latched = Detection { fault, residual, threshold };
         let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
         let evidence = departs.map(|onset| self.departure_evidence([residual, threshold], onset));

@@ -2,6 +2,7 @@
 
 use super::parameters::LastParameters;
 use crate::monitor::cylinder::CylinderDesign;
+use crate::monitor::cylinder::dead_reckoning::CourseJump;
 use crate::state::whole;
 use crate::time::{self, Timestamp};
 use crate::verdict::Fault;
@@ -14,11 +15,38 @@ pub struct Latch {
     pub residual: f64,
     /// What that exceeded, m.
     pub threshold: f64,
+    /// What its steps add up to, m; `None` where it did not begin with a step.
+    pub off: Option<f64>,
     /// Since when the reading departs from dead reckoning, where that showed it.
     pub departs: Option<Timestamp>,
 }
 
-whole! { Latch { fault, residual, threshold, departs } }
+whole! { Latch { fault, residual, threshold, off, departs } }
+
+/// A displacement that was confirmed, m, signed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Displacement {
+    /// The reading stays there.
+    Step(f64),
+    /// The newest of many innovations.
+    Noise(f64),
+}
+
+impl Displacement {
+    /// m, signed.
+    pub const fn innovation(self) -> f64 {
+        let (Self::Step(innovation) | Self::Noise(innovation)) = self;
+        innovation
+    }
+
+    /// Its size, m, if it is a step.
+    pub const fn step(self) -> Option<f64> {
+        match self {
+            Self::Step(size) => Some(size),
+            Self::Noise(_) => None,
+        }
+    }
+}
 
 /// An innovation that may be a displacement.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +70,8 @@ pub struct Watched {
     pub is_named: bool,
     /// A displacement that the next innovations have to confirm.
     pub tried: Option<Tried>,
+    /// What dead reckoning shows of it, if it shows the same.
+    pub jump: Option<CourseJump>,
     /// Cycles in which the innovations are what is left of a wild sample.
     pub aftermath: u32,
     /// Newest innovations beyond the limit, one bit each.
@@ -49,7 +79,7 @@ pub struct Watched {
     pub latch: Option<Latch>,
 }
 
-whole! { Watched { out, power, is_named, tried, aftermath, beyond, latch } }
+whole! { Watched { out, power, is_named, tried, jump, aftermath, beyond, latch } }
 
 /// What an innovation of the last transducer is compared with.
 #[derive(Clone, Copy, Debug)]
@@ -90,12 +120,12 @@ impl Watched {
     ///
     /// After a step of s the next innovation is (1 − gain) s, and after a single wild sample −gain s: what is left of s is
     /// their sum. Two wild samples side by side come back in the one after. Noise comes back, too, but goes on.
-    pub fn confirm(&mut self, residual: Option<f64>, limits: &Limits) -> Option<f64> {
+    pub fn confirm(&mut self, residual: Option<f64>, limits: &Limits) -> Option<Displacement> {
         self.aftermath = self.aftermath.saturating_sub(1);
         let before = self.tried.take();
         let Some(residual) = residual else {
             // It was displaced, and did not come again.
-            return before.map(|tried| tried.first);
+            return before.map(|tried| Displacement::Step(tried.first));
         };
         let is_beyond = residual.abs() > limits.least;
         self.beyond = self.beyond << 1 | u64::from(is_beyond);
@@ -104,7 +134,7 @@ impl Watched {
             let stays =
                 if age == 0 { part + limits.gain > limits.stays } else { part > -limits.returned };
             if stays && age + 1 >= limits.confirm {
-                return Some(first);
+                return Some(Displacement::Step(first));
             }
             self.tried = stays.then_some(Tried { first, age: age + 1 });
             self.aftermath = if stays { self.aftermath } else { limits.aftermath };
@@ -114,6 +144,20 @@ impl Watched {
             // Another wild sample shortly after the first: its own aftermath has begun.
             self.aftermath = limits.aftermath;
         }
-        (is_beyond && self.beyond.count_ones() >= limits.noise).then_some(residual)
+        let is_noise = is_beyond && self.beyond.count_ones() >= limits.noise;
+        is_noise.then_some(Displacement::Noise(residual))
+    }
+
+    /// Takes what dead reckoning shows in the cycle in which a displacement is tried first. By a model that fits badly a rod at
+    /// work has innovations like those of a jump, too.
+    pub fn compare(&mut self, shown: Option<CourseJump>, stays: f64) {
+        let first = self.tried.map(|tried| tried.first);
+        self.jump = shown.zip(first).map(|(shown, first)| (shown, shown.error / first)).and_then(
+            |(shown, part)| {
+                let is_same =
+                    shown.error.abs() > shown.limit && (stays..1.0 / stays).contains(&part);
+                is_same.then_some(shown)
+            },
+        );
     }
 }
