@@ -172,7 +172,7 @@ impl Connector<'_> {
                 observer: thresholds(fde.low, fde.high),
                 joint: fde.joint.unwrap_or(f64::INFINITY),
                 difference: thresholds(settings.comparator_low(), settings.comparator.bound),
-                lasting: judged.lasting_beside(sequential.is_some()),
+                lasting: judged.lasting_of(sequential.is_some() || fde.is_learnt()),
                 calibrated: settings.is_aligned(n),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
                 parameters: judged,

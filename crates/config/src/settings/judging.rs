@@ -77,6 +77,13 @@ table! {
     }
 }
 
+impl Fde {
+    /// Whether the thresholds were learnt from a recording of this machine: `tune` writes the command of that beside them.
+    pub const fn is_learnt(&self) -> bool {
+        self.command.is_some()
+    }
+}
+
 table! {
     /// Thresholds of R3 (section 5-5), m.
     pub struct Comparator = COMPARATOR {

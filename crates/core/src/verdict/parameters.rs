@@ -69,9 +69,10 @@ impl VerdictParameters {
         shared: 0.5,
     };
 
-    /// [`Self::lasting`] of a cylinder that `has_sequential` detector; without one a threshold counts at once.
-    pub const fn lasting_beside(&self, has_sequential: bool) -> u32 {
-        if has_sequential { self.lasting } else { 1 }
+    /// [`Self::lasting`] of a machine whose thresholds, or whose sequential detector, were learnt; the thesis's thresholds
+    /// count at once.
+    pub const fn lasting_of(&self, is_learnt: bool) -> u32 {
+        if is_learnt { self.lasting } else { 1 }
     }
 
     /// The counts for a machine with this `sample_time`, s. Above 100 Hz the rings are too short, and the

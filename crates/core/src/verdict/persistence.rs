@@ -1,8 +1,8 @@
 //! A residual beyond its threshold that has to stay there, or to be there often: one or two wild samples are no fault.
 //!
 //! A spike on a cable is off for a sample. Where one sample in two hundred is wild, two follow each other every five minutes
-//! on a machine, and three hardly once an hour. Where more are wild, more have to follow each other. Without a sequential
-//! detector a threshold is all that finds a step, and counts at once, as in the thesis.
+//! on a machine, and three hardly once an hour. Where more are wild, more have to follow each other. The thresholds of
+//! the thesis count at once, as they do there.
 
 use super::parameters::VerdictParameters;
 use crate::state::{state, whole};
