@@ -88,6 +88,24 @@ fn wild_samples_raise_no_threshold_and_hide_no_step() {
     }
 }
 
+/// `commission` leaves a cylinder without a sequential detector where nothing could be learnt for one, and its thresholds are
+/// learnt all the same. Those of the thesis warn of each spike, as they do there.
+#[test]
+fn wild_samples_raise_no_learnt_threshold_without_a_sequential_detector() {
+    let mut plain = setup().with(spiky([0.005; 2], 40.0));
+    plain.settings.cylinder.iter_mut().for_each(|cylinder| cylinder.sequential = None);
+    let mut learnt = plain.clone();
+    learnt.settings.fde.command = Some(1.0);
+    let [by_the_thesis, by_learnt] =
+        [&plain, &learnt].map(|it| by_threshold(&it.run(120.0, false, &[])).len());
+    assert!(by_the_thesis > 300 && by_learnt <= 1, "{by_the_thesis}, {by_learnt}");
+    let step = "step,cylinder=2,sensor=c2,at=100.003,size=0.005".to_owned();
+    let heard = learnt.run(110.0, false, &[step]);
+    let found = by_threshold(&heard).into_iter().find(|it| it.cylinder == 2);
+    let delay = found.expect("it is found").timestamp.since(EPOCH).as_seconds() - 100.0;
+    assert!((0.0..0.1).contains(&delay), "after {delay} s");
+}
+
 /// Valid estimates, m, by the cylinder and the time of their cycle.
 #[derive(Default)]
 struct ValidEstimates(Vec<(u8, Timestamp, f64)>);
