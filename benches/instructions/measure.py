@@ -33,7 +33,7 @@ MOST_RATIO = 1.5
 
 # What a file of src/ is counted as; the first that fits.
 ROOMS = [
-    ("candump lines", r"bus/(format|buffer|recording|statistics|input)"),
+    ("candump lines", r"(formats?|buffer|recording|statistics|input)[/.]"),
     ("decode", r"decode/|monitor/(intake|subscriptions)"),
     ("plausibility", r"sample/plausibility|monitor/implausible"),
     ("sample", r"sample/"),
@@ -42,7 +42,7 @@ ROOMS = [
     ("verdict", r"verdict/"),
     ("sequential", r"sequential/"),
     ("estimate", r"estimate/"),
-    ("alarm", r"alarm/|bus/writer"),
+    ("alarm", r"alarm/"),
     ("monitor, of a cylinder", r"monitor/cylinder"),
     ("monitor", r"monitor/"),
     ("report", r"report/|cli/"),

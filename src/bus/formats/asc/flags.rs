@@ -1,5 +1,0 @@
-//! What a line tells of a frame of CAN FD.
-
-/// Flags of [`Kind::Fd`](crate::frame::Kind::Fd).
-pub(super) const BIT_RATE_SWITCH: u8 = 1;
-pub(super) const ERROR_STATE: u8 = 2;
