@@ -118,9 +118,6 @@ pub mod bus;
 #[cfg(feature = "demo")]
 pub mod cli;
 pub mod live;
-#[cfg(feature = "plots")]
-pub mod report;
-pub mod story;
 
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
@@ -136,3 +133,6 @@ pub use tertius_learn::{
     calibrate, extremes, identify, learnt, propose, relate, survey, tables, tune,
 };
 pub use tertius_machine::{controller, hexapod, inject, plant, sea, simulator, transducer};
+#[cfg(feature = "plots")]
+pub use tertius_report::report;
+pub use tertius_report::story;

@@ -11,7 +11,8 @@ use crate::bus::{
     Unsayable, Written,
 };
 use crate::frame::{Frame, Kind};
-use crate::report::{counted, times};
+use crate::report::times;
+use crate::text::counted;
 use crate::time::Timestamp;
 use clap::Args;
 use clap::builder::PossibleValuesParser;

@@ -6,8 +6,8 @@ use crate::decode::SignalPlan;
 use crate::frame::{BusNumber, Id};
 use crate::monitor::MonitorDesign;
 use crate::monitor::subscriptions::Target;
-use crate::report::counted;
 use crate::sample::{Field, Pressure, Transducer};
+use crate::text::counted;
 
 /// Most signals of which it is said what they differ by.
 const TOLD: usize = 2;

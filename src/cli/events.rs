@@ -9,7 +9,8 @@ use crate::appliance::store::{
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::config;
 use crate::config::visible;
-use crate::report::{Zone, counted};
+use crate::report::Zone;
+use crate::text::counted;
 use crate::time::Timestamp;
 use clap::{Args, ValueEnum};
 use jiff::tz::TimeZone;

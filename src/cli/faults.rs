@@ -3,7 +3,7 @@
 use super::Failure;
 use super::machine::Machine;
 use crate::inject::{Fault, MAX_FAULTS, PlaceError, Placed, Tally, place, table};
-use crate::report::counted;
+use crate::text::counted;
 use crate::time::Span;
 use clap::Args;
 use std::fs::File;

@@ -14,7 +14,7 @@ use crate::bus::{
 };
 use crate::frame::Frame;
 use crate::inject::{Injector, grammar};
-use crate::report::counted;
+use crate::text::counted;
 use crate::time::Timestamp;
 use clap::Args;
 use std::collections::VecDeque;

@@ -1,7 +1,7 @@
 //! What the commands share that pass frames on from a recording to another.
 
 use crate::bus::Statistics;
-use crate::report::counted;
+use crate::text::counted;
 
 /// Determines the interface of the newest frame from the counts of the recording.
 #[derive(Default)]

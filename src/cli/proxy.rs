@@ -5,7 +5,7 @@ use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Port, Unrestricted};
 use crate::inject::Injector;
 use crate::live::proxy::{self, Bench, Lane, LaneCounts, LaneLimits, Open, Proxy, Side};
-use crate::report::counted;
+use crate::text::counted;
 use crate::time::Span;
 use nix::net::if_::if_nametoindex;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};

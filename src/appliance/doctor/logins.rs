@@ -2,7 +2,7 @@
 
 use super::facts::Logins;
 use super::finding::Finding;
-use crate::report::counted;
+use crate::text::counted;
 
 const SUBJECT: &str = "logins";
 

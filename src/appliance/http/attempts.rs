@@ -1,7 +1,7 @@
 //! Who tries tokens: how often, and how long an address has to wait until it may try again.
 
 use super::connections::network;
-use crate::report::counted;
+use crate::text::counted;
 use std::collections::VecDeque;
 use std::net::IpAddr;
 use std::sync::{Mutex, PoisonError};

@@ -13,7 +13,7 @@ use crate::appliance::realtime;
 use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::config::MachineNames;
-use crate::report::counted;
+use crate::text::counted;
 use rusqlite::{Connection, TransactionBehavior};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};

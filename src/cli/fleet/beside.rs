@@ -4,7 +4,7 @@ use super::plan::{FleetPlan, MachinePlan, PlannedInput};
 use super::step::Step;
 use crate::cli::Failure;
 use crate::cli::progress::Bar;
-use crate::report::counted;
+use crate::text::counted;
 use std::env;
 use std::fmt::Write as _;
 use std::fs;

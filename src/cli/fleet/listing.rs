@@ -3,7 +3,7 @@
 use super::plan::{FleetPlan, MachinePlan, PlannedInput};
 use crate::config::visible;
 use crate::report::Zone;
-use crate::report::counted;
+use crate::text::counted;
 use jiff::tz::TimeZone;
 use serde::Serialize;
 use std::fmt::Write;
