@@ -22,7 +22,6 @@ use tertius::appliance::telemetry::MachineFacts;
 use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
 use tertius::config::{self, Loaded, design};
 use tertius::dbc::Database;
-use tertius::failure::Failure;
 use tertius::frame::{Buses, Frame, Id, Kind};
 use tertius::live::supervisor::{self, Opener};
 use tertius::monitor::{Monitor, MonitorDesign};
@@ -208,7 +207,7 @@ fn main() {
     let keeping = keeping(path, &loaded, &design);
     let limits_m = design.cylinders.iter().map(|cylinder| cylinder.limits()).collect();
     let mut gateway = gateway_of(Monitor::new(design), loaded.settings.gateway.bus_share);
-    let reload = || Err(Failure::Failed("there is no other one".to_owned()));
+    let reload = || Err("there is no other one".to_owned());
     let mut appliance = Appliance::new(Box::new(reload)).expect("signals can be caught");
     appliance.describe(MachineFacts { limits_m, ..MachineFacts::default() });
     let settings = &loaded.settings;

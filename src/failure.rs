@@ -1,5 +1,7 @@
 //! Why a command failed.
 
+#[cfg(feature = "cli")]
+use crate::appliance::logging::LogError;
 use crate::bus::SourceError;
 use crate::config::{ConfigError, visible_lines};
 use std::fmt;
@@ -124,5 +126,27 @@ impl From<ConfigError> for Failure {
 impl From<SourceError> for Failure {
     fn from(error: SourceError) -> Self {
         Self::Wrong(error.to_string())
+    }
+}
+
+#[cfg(feature = "cli")]
+impl From<LogError> for Failure {
+    fn from(error: LogError) -> Self {
+        match error {
+            LogError::NoJournal(_) => Self::Wrong(error.to_string()),
+            LogError::Started(_) => Self::Failed(error.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[cfg(feature = "cli")]
+    #[test]
+    fn a_missing_journal_is_a_wrong_call() {
+        let error = super::LogError::NoJournal(std::io::ErrorKind::NotFound.into());
+        let failure = super::Failure::from(error);
+        assert_eq!(failure.exit_code(), 2);
+        assert!(failure.to_string().contains("use --log json"), "{failure}");
     }
 }

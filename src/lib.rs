@@ -1,7 +1,8 @@
 //! Tertius: a third vote for redundant position transducers on the cylinders of
 //! motion-compensated gangways.
 //!
-//! This package is the program. It re-exports the modules of its crates, which are below `crates/`.
+//! This package is the program: the commands, and why one failed. It re-exports the modules of its crates, which are below
+//! `crates/`.
 //! The path of the data, one module each:
 //!
 //! ```text
@@ -11,7 +12,7 @@
 //! ```
 //!
 //! - [`bus`]: sources and destinations of frames: recordings, SocketCAN, a bus inside the
-//!   program. Only this module knows files of frames and sockets.
+//!   program.
 //! - [`decode`]: bit plans, from frames to values. [`dbc`]: a DBC, checked and compiled to them.
 //! - [`sample`]: groups readings into cycles and checks whether they are plausible, also by what their devices say of
 //!   themselves.
@@ -111,13 +112,17 @@
 #[macro_use]
 pub mod failure;
 
-pub mod alarm_list;
-#[cfg(feature = "http")]
-pub mod appliance;
-pub mod bus;
 #[cfg(feature = "demo")]
 pub mod cli;
-pub mod live;
+
+/// Sources and destinations of frames: recordings, and live interfaces.
+pub mod bus {
+    pub use tertius_gateway::bus::{
+        Identifiers, ListeningPort, Port, PortCounts, PortError, Received, Sent, Stamps,
+        Unrestricted, UnrestrictedPort, embedded, socket,
+    };
+    pub use tertius_recordings::*;
+}
 
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
@@ -126,6 +131,9 @@ pub use tertius_core::{
     process, sample, sequential, text, time, verdict,
 };
 pub use tertius_dbc as dbc;
+#[cfg(feature = "http")]
+pub use tertius_gateway::appliance;
+pub use tertius_gateway::{alarm_list, live};
 #[cfg(feature = "learning")]
 pub use tertius_lab::{commission, evaluate};
 #[cfg(feature = "learning")]

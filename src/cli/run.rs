@@ -67,9 +67,12 @@ impl Run {
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
-        let mut appliance =
-            Appliance::new(Box::new(move || prepare(&config, &overrides, player.as_ref())))
-                .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
+        let again = move || {
+            let prepared = prepare(&config, &overrides, player.as_ref());
+            prepared.map_err(|failure| failure.to_string())
+        };
+        let mut appliance = Appliance::new(Box::new(again))
+            .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         let title = facts.configuration.clone();
         appliance.describe(facts);
         appliance.starting(&title, site, interface.as_deref());

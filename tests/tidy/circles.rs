@@ -13,14 +13,14 @@ const KNOWN: [(&str, usize); 6] = [
     ("crates/core/src/incident", 7),
     // Methods of `Monitor` and of `Cylinder`, which are one object each.
     ("crates/core/src/monitor", 23),
+    // The values, and the overview and the points that are made of them.
+    ("crates/gateway/src/appliance/telemetry", 5),
     // Several recordings that are read as one are a recording again.
     ("crates/recordings/src/recording", 2),
     // Tables of the evaluation; and `Summary`, with the words and the time zone that all reports share.
     ("crates/report/src/report", 17),
     // The line of an incident, its evidence and its doubts use each other's words.
     ("crates/report/src/story", 3),
-    // The values, and the overview and the points that are made of them.
-    ("src/appliance/telemetry", 5),
 ];
 
 /// Names, and which others each of them uses.

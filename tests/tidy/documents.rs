@@ -149,7 +149,7 @@ struct Step<'a> {
     name: &'a str,
 }
 
-/// The steps on a page: lines like `  src/live/gateway.rs: turn    what it does`. A step that is indented further than the one
+/// The steps on a page: lines like `  crates/core/src/x.rs: turn    what it does`. A step that is indented further than the one
 /// above is called by it.
 fn steps(text: &str) -> Vec<Step<'_>> {
     let step = |line| {

@@ -19,12 +19,12 @@ use std::path::{Path, PathBuf};
 /// the user's, a terminal. Everything else is pure.
 const WORLDLY: [&str; 8] = [
     "crates/config/src/loader.rs",
+    "crates/gateway/src/appliance/",
+    "crates/gateway/src/bus/",
+    "crates/gateway/src/live/",
     "crates/recordings/",
-    "src/appliance/",
-    "src/bus/",
     "src/cli/",
     "src/failure.rs",
-    "src/live/",
     "src/main.rs",
 ];
 
