@@ -4,18 +4,17 @@
 //! cycle it takes one frame. The counter decides where there is one ([`AliveCounter`]); without it the usual time of the
 //! frames decides, and a frame after a lost one waits, since it may be the lost one, late.
 
-use super::counter::{AliveCounter, BEHIND, Count};
+use super::counter::{AliveCounter, Count};
 use super::cycle::When;
 use super::dispute::{Dispute, Doubt};
 use super::fate::Fate;
+use super::parameters::ArrivalParameters;
 use super::phase::{Phases, Usual};
 use crate::frame::Frame;
 use crate::state::{state, whole};
 use crate::time::Timestamp;
 
-/// Number of consecutive cycles with frames, none in time, after which the counter or deadline that
-/// refuses them is no longer trusted.
-const STARVED: u32 = 5;
+const P: &ArrivalParameters = &ArrivalParameters::DEFAULT;
 
 /// A frame that waits for its cycle to open, or to close.
 #[derive(Clone, Debug)]
@@ -257,7 +256,7 @@ impl Slot {
         let waiting = self.kept.as_ref().filter(|kept| kept.cycle == cycle);
         let waiting = waiting.map(|kept| (when.phase(kept.frame.timestamp), kept.before));
         let Some((waiting, before)) = waiting else {
-            let may_be_late = (1..=BEHIND as u64).contains(&lost) && self.usual().is_some();
+            let may_be_late = (1..=P.latest as u64).contains(&lost) && self.usual().is_some();
             return if may_be_late { Fate::Waits } else { self.taken(frame, counter, when) };
         };
         let tolerance = self.usual().map_or(0, |usual| usual.tolerance);
@@ -370,7 +369,7 @@ impl Slot {
             self.starved = self.starved.saturating_add(1);
             self.starved_in = cycle;
         }
-        let too_long = self.starved >= STARVED;
+        let too_long = self.starved >= P.starved;
         if too_long && let Some(alive) = &mut self.counter {
             alive.disbelieve();
         }

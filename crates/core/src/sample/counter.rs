@@ -5,17 +5,10 @@
 //! the sender counts something else, or sends irregularly; it is then not trusted until it fits
 //! again.
 
+use super::parameters::ArrivalParameters;
 use crate::state::{state, whole};
 
-/// Most cycles by which a frame can be late; a counter that is further off is another count.
-pub const BEHIND: i64 = 5;
-
-/// Longest silence, in cycles, after which what was sent in it may come all at once, as from a
-/// computer that stalled.
-const BACKLOG: u64 = 32;
-
-/// Number of consecutive frames that fit each other after which a counter is trusted again.
-const FITTING: u32 = 16;
+const P: &ArrivalParameters = &ArrivalParameters::DEFAULT;
 
 /// Meaning of a frame's counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +17,7 @@ pub enum Count {
     Silent,
     /// The counter stands still: the sender, or the way from it, repeats a frame.
     Same,
-    /// The frame is this many cycles after the newest: −[`BEHIND`] to 1.
+    /// The frame is this many cycles after the newest: −[`ArrivalParameters::latest`] to 1.
     Off(i64),
     /// The counter fits no cycle nearby.
     Jumped,
@@ -66,7 +59,7 @@ state! {
     AliveCounter { last, misfit, believed, fitting, jumps }
     bits { step }
     but { bits, ones }
-    sound |it| it.fitting <= FITTING && (1..=i64::MAX as u64).contains(&it.step)
+    sound |it| it.fitting <= P.fitting && (1..=i64::MAX as u64).contains(&it.step)
 }
 
 impl AliveCounter {
@@ -129,7 +122,7 @@ impl AliveCounter {
         } else {
             let step = self.step as i64;
             match (off % step, off / step) {
-                (0, cycles) if (-BEHIND..=1).contains(&cycles) => Count::Off(cycles),
+                (0, cycles) if (-P.latest..=1).contains(&cycles) => Count::Off(cycles),
                 _ => Count::Jumped,
             }
         }
@@ -208,7 +201,7 @@ impl AliveCounter {
         let elapsed = cycle.wrapping_sub(last.cycle).max(1);
         if counts.is_multiple_of(elapsed) && counts / elapsed == self.step {
             self.fitting += 1;
-            self.believed = self.fitting >= FITTING;
+            self.believed = self.fitting >= P.fitting;
         } else {
             self.fitting = 0;
             // Another step is one to be tried, if it is a small part of the counter.
@@ -225,7 +218,7 @@ impl AliveCounter {
         self.last.is_some_and(|last| {
             let silent = cycle.wrapping_sub(last.cycle);
             let counts = self.distance(last.value, value);
-            (BEHIND as u64 + 1..=BACKLOG).contains(&silent)
+            (P.latest as u64 + 1..=P.backlog).contains(&silent)
                 && counts.is_multiple_of(self.step)
                 && counts / self.step < silent
         })

@@ -11,9 +11,12 @@
 //! counts twice nor hides the next one. With Sync, a cycle opens when Sync came; without it, the
 //! grid determines the time.
 
+use super::parameters::SyncParameters;
 pub use super::when::When;
 use crate::state::state;
 use crate::time::{Span, Timestamp};
+
+const P: &SyncParameters = &SyncParameters::DEFAULT;
 
 /// Sample time and deadline of the cycles.
 #[derive(Clone, Copy, Debug)]
@@ -67,11 +70,11 @@ pub struct CycleClock {
     /// previous cycle.
     provisional: bool,
     number: u64,
-    /// Number of openings that the grid has followed, up to [`SLOWNESS`].
+    /// Number of openings that the grid has followed, up to [`SyncParameters::slowness`].
     followed: i64,
     /// Sync of the newest cycle's time that came after readings of that cycle.
     set_aside: Option<Timestamp>,
-    /// Number of cycles that opened since the newest Sync, up to [`ABSENT`].
+    /// Number of cycles that opened since the newest Sync, up to [`SyncParameters::absent`].
     without_sync: u32,
     /// The first command for which there is no cycle, since none has opened yet.
     awaited: Option<Timestamp>,
@@ -83,17 +86,8 @@ pub struct CycleClock {
 state! {
     CycleClock { opened, nominal, open, provisional, number, followed, set_aside, without_sync, awaited, at_once }
     but { timing }
-    sound |it| (0..=SLOWNESS).contains(&it.followed) && it.without_sync <= ABSENT
+    sound |it| (0..=P.slowness).contains(&it.followed) && it.without_sync <= P.absent
 }
-
-/// Divisor of the correction: the grid moves by this part of an opening's deviation, once it has
-/// followed as many. The Sync may run one per cent faster or slower than this clock and still
-/// deviate by less than a quarter of a sample time.
-const SLOWNESS: i64 = 16;
-
-/// Number of cycles in a row that open without their Sync, after which readings open them as if none were configured:
-/// whoever stands in for a Sync is taken at its time only, which a machine that is one per cent fast does not keep.
-const ABSENT: u32 = 4;
 
 impl CycleClock {
     pub fn new(timing: CycleTiming) -> Self {
@@ -241,10 +235,10 @@ impl CycleClock {
     }
 
     /// Takes a command at `at` that finds no cycle; returns whether cycles are missing from here on, since the first one has
-    /// not opened for four sample times.
+    /// not opened for [`SyncParameters::awaited`].
     pub fn wait(&mut self, at: Timestamp) -> bool {
         let awaited = *self.awaited.get_or_insert(at);
-        let patience = self.timing.sample_time.as_nanos().saturating_mul(ABSENT.into());
+        let patience = self.timing.sample_time.as_nanos().saturating_mul(P.awaited.into());
         let is_missing = self.opened.is_none() && at.since(awaited).as_nanos() >= patience;
         if is_missing {
             (self.opened, self.nominal) = (Some(at), Some(at));
@@ -260,12 +254,12 @@ impl CycleClock {
 
     /// Whether Sync opens cycles: it is configured, and comes.
     const fn is_synchronised(&self) -> bool {
-        self.timing.synchronised && self.without_sync < ABSENT
+        self.timing.synchronised && self.without_sync < P.absent
     }
 
     /// Takes that no Sync can be relied on: readings open cycles until one comes that can.
     pub const fn lose_sync(&mut self) {
-        self.without_sync = ABSENT;
+        self.without_sync = P.absent;
     }
 
     /// Notes that a time stamp is before that of the frame before it: the clock was set back by that and the time between
@@ -300,7 +294,7 @@ impl CycleClock {
         self.at_once = opener == Opener::NextReading && self.passed_before(at) > 0;
         let beside = self.beside(at);
         let early = beside.is_some_and(|beside| beside < -self.early());
-        self.without_sync = if by_sync { 0 } else { (self.without_sync + 1).min(ABSENT) };
+        self.without_sync = if by_sync { 0 } else { (self.without_sync + 1).min(P.absent) };
         self.provisional = self.timing.synchronised && (!by_sync || early);
         match (self.nominal, beside) {
             (Some(nominal), Some(beside)) => {
@@ -325,12 +319,12 @@ impl CycleClock {
 
     /// Moves the grid towards an opening that deviates by `beside`, ns.
     fn follow(&mut self, beside: i64) {
-        self.followed = (self.followed + 1).min(SLOWNESS);
+        self.followed = (self.followed + 1).min(P.slowness);
         let slowness = if self.is_opened_by_readings() {
             self.followed
         } else if self.provisional {
             // It tells nothing of where Sync would have been.
-            SLOWNESS
+            P.slowness
         } else if beside < 0 {
             // What holds a Sync up makes it late, never early.
             1

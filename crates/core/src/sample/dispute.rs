@@ -4,17 +4,10 @@
 //! nothing beside one that fits, is somebody else's, and nobody can tell which of them is right. A frame that is too short
 //! for what is configured of it lacks what would prove it, such as its alive counter.
 
+use super::parameters::ArrivalParameters;
 use crate::state::{choice, whole};
 
-/// Cycles for which frames are in doubt after the last reason for it: a twin that comes now and then is there all the time.
-const DOUBTED: u64 = 50;
-
-/// Frames whose counters fit nothing beside frames that fit, within so many cycles of each other, that are no accident: a
-/// sender that starts anew sends one or two.
-const STRANGE: u32 = 3;
-
-/// Frames in a row whose counter is not believed: after a sender has started anew it is believed again within 16.
-const UNCOUNTED: u32 = 50;
+const P: &ArrivalParameters = &ArrivalParameters::DEFAULT;
 
 /// Why the frames of a message are in doubt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +86,7 @@ impl Dispute {
 
     /// Takes a reason for doubt in `cycle`.
     pub fn doubt(&mut self, doubt: Doubt, cycle: u64) {
-        let until = cycle.saturating_add(DOUBTED);
+        let until = cycle.saturating_add(P.doubted);
         self.until[doubt as usize] = until;
         // One more, in which its end is reported.
         self.usual_from = self.usual_from.max(until.saturating_add(1));
@@ -118,19 +111,19 @@ impl Dispute {
     /// Takes that a frame was taken in `cycle` although its counter is not believed.
     #[cold]
     pub fn note_uncounted(&mut self, cycle: u64) {
-        let goes_on = cycle.saturating_sub(self.uncounted_in) <= STRANGE.into();
+        let goes_on = cycle.saturating_sub(self.uncounted_in) <= P.in_a_row;
         self.uncounted = if goes_on { self.uncounted.saturating_add(1) } else { 1 };
         self.uncounted_in = cycle;
-        if self.uncounted >= UNCOUNTED {
+        if self.uncounted >= P.uncounted {
             self.doubt(Doubt::Uncounted, cycle);
         }
     }
 
     fn note_beside(&mut self, cycle: u64) {
-        let is_near = cycle.saturating_sub(self.beside_in) < DOUBTED;
+        let is_near = cycle.saturating_sub(self.beside_in) < P.doubted;
         self.strange = if is_near { self.strange.saturating_add(1) } else { 1 };
         self.beside_in = cycle;
-        if self.strange >= STRANGE {
+        if self.strange >= P.strange {
             self.doubt(Doubt::Contradiction, cycle);
         }
     }

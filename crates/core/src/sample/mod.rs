@@ -9,6 +9,7 @@ pub mod dispute;
 pub mod emergency;
 pub mod fate;
 pub mod motion;
+pub mod parameters;
 pub mod phase;
 pub mod plausibility;
 pub mod quality;

@@ -1,12 +1,12 @@
 //! Whether a reading follows a rod in motion, judged by its own steps.
 
+use super::parameters::PlausibilityParameters;
 use crate::state::whole;
 
 /// Steps in one direction for a motion: noise with three values makes two at most.
 const STEPS: usize = 3;
 
-/// Largest ratio of a step to the two before it together, since a rod has a mass.
-const STEEPEST: f64 = 2.0;
+const P: &PlausibilityParameters = &PlausibilityParameters::DEFAULT;
 
 /// Newest steps of a reading.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,7 +40,7 @@ impl ReadingMotion {
     /// motion.
     pub fn goes_on(&self) -> bool {
         let [newest, first, second] = self.recent;
-        let is_leap = newest.abs() > STEEPEST * (first + second).abs();
+        let is_leap = newest.abs() > P.steepest * (first + second).abs();
         let goes_one_way =
             self.recent.iter().all(|it| *it > 0.0) || self.recent.iter().all(|it| *it < 0.0);
         self.newest != 0.0 && goes_one_way && !is_leap

@@ -1,23 +1,18 @@
 //! Usual times within a cycle of the frames of a place.
 
+use super::parameters::{ArrivalParameters, PHASES};
 use crate::state::whole;
 
-/// Number of frames that are remembered.
-const FRAMES: usize = 64;
+const P: &ArrivalParameters = &ArrivalParameters::DEFAULT;
 
-/// Least number of frames for a usual time.
-const FEWEST: usize = 8;
-
-/// Difference below which phases are the same, µs; [`ALIKE_DEVIATIONS`] also applies.
-const ALIKE: i64 = 1000;
-/// Number of deviations below which phases are the same.
-const ALIKE_DEVIATIONS: f64 = 4.4;
+/// [`ArrivalParameters::same_time`] in the unit of the phases, µs.
+const SAME_TIME: i64 = (P.same_time * 1e6) as i64;
 
 /// Newest phases: time from the opening of a cycle to the frame, µs; negative for one that came
 /// before its cycle opened.
 #[derive(Clone, Debug)]
 pub struct Phases {
-    newest: [i32; FRAMES],
+    newest: [i32; PHASES],
     count: usize,
 }
 
@@ -35,29 +30,29 @@ whole! { Usual { phase, tolerance } }
 
 impl Phases {
     pub const fn new() -> Self {
-        Self { newest: [0; FRAMES], count: 0 }
+        Self { newest: [0; PHASES], count: 0 }
     }
 
     /// Takes the phase of a frame, ns.
     #[inline]
     pub fn push(&mut self, phase: i64) {
         // Within a cycle, which is far below the half hour that fits.
-        self.newest[self.count % FRAMES] = (phase / 1000) as i32;
+        self.newest[self.count % PHASES] = (phase / 1000) as i32;
         self.count += 1;
     }
 
     /// The usual phase; `None` while it is not known.
     pub fn usual(&self) -> Option<Usual> {
-        if self.count < FEWEST {
+        if self.count < P.timed {
             return None;
         }
         let mut phases = self.newest;
-        let phases = &mut phases[..self.count.min(FRAMES)];
+        let phases = &mut phases[..self.count.min(PHASES)];
         let middle = phases.len() / 2;
         let median = *phases.select_nth_unstable(middle).1;
         phases.iter_mut().for_each(|phase| *phase = phase.saturating_sub(median).saturating_abs());
         let deviation = f64::from(*phases.select_nth_unstable(middle).1);
-        let tolerance = ALIKE.max((ALIKE_DEVIATIONS * deviation) as i64);
+        let tolerance = SAME_TIME.max((P.same_time_deviations * deviation) as i64);
         Some(Usual { phase: i64::from(median) * 1000, tolerance: tolerance * 1000 })
     }
 }

@@ -8,6 +8,7 @@ mod stillness;
 mod unnamed;
 
 use super::device::DeviceWord;
+use super::parameters::PlausibilityParameters;
 use super::quality::Quality;
 use super::reading::Reading;
 use crate::state::{state, whole};
@@ -17,20 +18,7 @@ pub use moment::{Moment, Other, Push};
 use stillness::Stillness;
 use unnamed::UnnamedBits;
 
-/// Factor on [`PlausibilityLimits::frozen`] where no other transducer is a witness: friction holds the rod
-/// where a slow stroke turns.
-pub const UNWITNESSED: u32 = 5;
-
-/// Factor on [`PlausibilityLimits::driven`] where the command went one way only, to where the reading has been.
-const ONE_WAY: f64 = 2.0;
-
-/// Part of [`PlausibilityLimits::driven`] from which on a reading that stands is not known to be right: with the default
-/// bound of R3 that is a command for 10 mm, behind which no friction holds a rod.
-const LEFT_STANDING: f64 = 0.25;
-
-/// Most cycles in a row in which a frame came for another cycle and that do not age a reading: after a clock was set, or a bus
-/// stood still, places find their cycle anew within five.
-const SPARED: u32 = 10;
+const P: &PlausibilityParameters = &PlausibilityParameters::DEFAULT;
 
 /// No length: nothing is known of where the rod has been, lowest and highest.
 pub const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
@@ -40,7 +28,7 @@ pub const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 struct Absence {
     /// Those in which nothing of it came.
     missing: u32,
-    /// Those in which a frame came for another cycle, at most [`SPARED`].
+    /// Those in which a frame came for another cycle, at most [`PlausibilityParameters::spared`].
     spared: u32,
 }
 
@@ -170,14 +158,14 @@ impl Plausibility {
     /// Whether the reading stands while the other one moves: it may be frozen, but not yet for long
     /// enough, or not under a command that moves.
     pub fn stands_alone(&self) -> bool {
-        self.still.cycles > 0 && self.still.travelled >= 0.5 * self.limits.travel
+        self.still.cycles > 0 && self.still.travelled >= P.alone * self.limits.travel
     }
 
     /// Whether the reading has stood while the command went on, even if not yet for long enough to be frozen. When all
     /// twelve froze at once, they were healthy for two seconds.
     #[inline]
     pub fn is_left_standing(&self) -> bool {
-        let is_far = |way: &f64| *way >= LEFT_STANDING * self.limits.driven;
+        let is_far = |way: &f64| *way >= P.left_standing * self.limits.driven;
         self.still.cycles >= self.limits.frozen && self.drive.ways.iter().any(is_far)
     }
 
@@ -189,7 +177,7 @@ impl Plausibility {
 
     /// Whether the command has moved both ways while the reading was held, for so long that no stop holds the rod.
     pub fn is_driven(&self) -> bool {
-        self.is_pushed(UNWITNESSED)
+        self.is_pushed(P.unwitnessed)
     }
 
     /// Whether the command has moved both ways while the reading was held, each for so many times what a frozen one takes.
@@ -208,7 +196,7 @@ impl Plausibility {
     /// early.
     pub fn spare(&mut self) -> Quality {
         let Absence { missing, spared } = &mut self.absence;
-        if *missing > 0 && *spared < SPARED {
+        if *missing > 0 && *spared < P.spared {
             (*missing, *spared) = (*missing - 1, *spared + 1);
             self.quality = self.of_none();
         }
@@ -275,10 +263,10 @@ impl Plausibility {
         let (CommandWay { cycles, ways, is_free, .. }, still) = (self.drive, self.still);
         // A reading that changes and yet goes nowhere is that of a rod at rest, as long as it comes.
         let is_at_rest = still.stirred && still.unseen <= frozen;
-        if is_at_rest || cycles < frozen.saturating_mul(UNWITNESSED) {
+        if is_at_rest || cycles < frozen.saturating_mul(P.unwitnessed) {
             return false;
         }
-        let is_driven = |i: usize| is_free[i] && ways[i] >= ONE_WAY * driven;
+        let is_driven = |i: usize| is_free[i] && ways[i] >= P.one_way * driven;
         ways[0].min(ways[1]) >= driven || is_driven(0) || is_driven(1)
     }
 

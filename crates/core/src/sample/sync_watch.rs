@@ -4,21 +4,11 @@
 //! cycles, as they do when it is missing.
 
 use super::dispute::Doubt;
+use super::parameters::SyncParameters;
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 
-/// Syncs per cycle that may directly follow another Sync: a bus that is recorded on two interfaces has one. A computer that
-/// has stalled receives many Syncs at once, but with the other frames of their cycles in between.
-const FOLLOWING: u32 = 1;
-
-/// Further ones, within [`REMEMBERED`] cycles of each other, that make a flood: a single one is an accident.
-const FLOOD: u32 = 2;
-
-/// Cycles for which Sync is ignored after the last one too many.
-const REMEMBERED: u64 = 50;
-
-/// Time over which the cycles that had a Sync are counted.
-const WINDOW: Span = Span::from_nanos(1_000_000_000);
+const P: &SyncParameters = &SyncParameters::DEFAULT;
 
 /// The cycles of a time, and those of them that had a Sync.
 #[derive(Clone, Copy, Debug)]
@@ -73,19 +63,20 @@ impl SyncWatch {
         let follows = used == self.used.saturating_add(1);
         (self.cycle, self.used) = (cycle, used);
         self.following += u32::from(follows);
-        if follows && self.following > FOLLOWING {
+        if follows && self.following > P.following {
             self.extra = self.extra.saturating_add(1);
-            self.forgotten_from = cycle.saturating_add(REMEMBERED);
+            self.forgotten_from = cycle.saturating_add(P.remembered);
         }
-        self.extra < FLOOD
+        self.extra < P.flood
     }
 
     /// Judges at `at`, in `cycle`, up to which as many as `cycles` have opened.
     pub fn judge(&mut self, at: Timestamp, cycle: u64, cycles: u64) -> SyncJudgement {
         let fresh = SyncWindow { begun: at, cycles, had: 0 };
         let SyncWindow { begun, cycles: before, had } = *self.window.get_or_insert(fresh);
-        let (has_ended, opened) = (at.since(begun) >= WINDOW, cycles.saturating_sub(before));
-        let floods = self.extra >= FLOOD && cycle < self.forgotten_from;
+        let (has_ended, opened) =
+            (at.since(begun) >= Span::from_seconds(P.window), cycles.saturating_sub(before));
+        let floods = self.extra >= P.flood && cycle < self.forgotten_from;
         let doubt = match self.reported {
             _ if floods => Some(Doubt::Flood),
             Some(Doubt::Flood) => None,

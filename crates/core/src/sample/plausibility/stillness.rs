@@ -2,11 +2,10 @@
 
 use super::limits::PlausibilityLimits;
 use super::moment::Moment;
+use crate::sample::parameters::PlausibilityParameters;
 use crate::state::whole;
 
-/// A change of the other reading by more than this many times [`PlausibilityLimits::travel`] in one cycle is a jump where
-/// it was not in motion.
-const FAR: f64 = 5.0;
+const P: &PlausibilityParameters = &PlausibilityParameters::DEFAULT;
 
 /// An exactly constant reading: since when, and what was seen meanwhile.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,7 +50,7 @@ impl Stillness {
         self.stirred |= now.position != then;
         let before = self.seen.replace(now.position);
         let leap = (now.position - before.unwrap_or(then)).abs();
-        let leaps = !now.goes_on && leap > FAR * limits.travel;
+        let leaps = !now.goes_on && leap > P.jump * limits.travel;
         let is_elsewhere = self.unseen > limits.frozen || leaps;
         self.unseen = 0;
         if is_elsewhere {
