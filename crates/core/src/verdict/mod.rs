@@ -14,8 +14,7 @@ use crate::state::choice;
 pub use bank::{Bank, BankDesign, FDE3, FDES, Raised, Residuals};
 pub use fault::Fault;
 pub use jump::Jump;
-pub use parameters::VerdictParameters;
-pub use persistence::LONGEST_WAIT;
+pub use parameters::{LONGEST_WAIT, VerdictParameters};
 pub use suspect::{Suspect, Testimony};
 pub use trigger::{FdeState, Raise, Thresholds, Trigger};
 

@@ -8,6 +8,21 @@ pub const LONGEST_WINDOW: usize = 32;
 /// Residuals R3 that are kept: those of [`VerdictParameters::differences`] up to 100 Hz.
 pub const LONGEST_DIFFERENCES: usize = 128;
 
+/// Samples beyond a threshold that are kept: those of [`VerdictParameters::often`].
+pub const KEPT_EXCEEDED: usize = 7;
+
+/// Newest wild readings whose times show how frequent they are.
+pub const KEPT_WILD: usize = 8;
+
+/// Most samples that a residual has to stay beyond its threshold to be a fault.
+pub const LONGEST_WAIT: usize = 5;
+
+const _: () = {
+    let VerdictParameters { often, again, lasting, frequent, .. } = VerdictParameters::DEFAULT;
+    assert!(again <= often && often <= KEPT_EXCEEDED);
+    assert!(lasting as usize + frequent.len() <= LONGEST_WAIT);
+};
+
 /// The numbers of the classification (Table 5-1). Times are in seconds; a kind is told from samples, so
 /// that below 50 Hz each of them is as many as at 50 Hz ([`time::samples`]).
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +62,17 @@ pub struct VerdictParameters {
     /// Those after the first need at least this part of it, in its direction; 0.3 to 0.7. An observer of Table 4-1 has
     /// followed a third of a step by then.
     pub stays: f64,
+    /// Samples beyond the threshold within [`Self::window`] that are noise; 7 of 16 samples, and no more than
+    /// [`KEPT_EXCEEDED`]. Noise of 2 σ has six of 16, of 4 σ ten. Where 2 % of the samples of C1 and of C2 are wild, seven of 16
+    /// differences are beyond about once an hour on a machine.
+    pub often: usize,
+    /// Samples beyond the threshold within the same window that keep a raised residual raised; 2 to [`Self::often`]. A single
+    /// wild one does not: where 2 % of the samples were wild, FDE1 was raised by three in a row once, and stood for an hour.
+    pub again: usize,
+    /// For each of these times that the newest [`KEPT_WILD`] wild readings fit into, s, a residual has to stay for a further
+    /// sample. At 50 Hz they are one reading in 120, and one in 40. Where 2 % are wild, three follow each other forty times an
+    /// hour on a machine, and five hardly ever.
+    pub frequent: [f64; 2],
     /// Part of a residual from which the other observer sees it, too, and the model errs; 0.3 to 0.7.
     pub shared: f64,
     /// Factor on [`Self::lasting`] where the other observer sees all of it; 1 to 3.
@@ -68,6 +94,9 @@ impl VerdictParameters {
         joint_moved: 0.75,
         lasting: 3,
         stays: 0.5,
+        often: 7,
+        again: 3,
+        frequent: [20.0, 6.0],
         shared: 0.5,
         longer_shared: 2,
     };

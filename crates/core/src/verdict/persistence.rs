@@ -4,7 +4,7 @@
 //! on a machine, and three hardly once an hour. Where more are wild, more have to follow each other. The thresholds of
 //! the thesis count at once, as they do there.
 
-use super::parameters::VerdictParameters;
+use super::parameters::{KEPT_EXCEEDED, KEPT_WILD, VerdictParameters};
 use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
@@ -42,33 +42,14 @@ pub struct Lasting {
 
 whole! { Lasting { since, largest } }
 
-/// Samples beyond the threshold within [`VerdictParameters::window`], 16 samples, that are noise: noise of 2 σ has six, of 4 σ
-/// ten. Where 2 % of the samples of C1 and of C2 are wild, seven of 16 differences are beyond about once an hour on a machine.
-const OFTEN: usize = 7;
-
-/// Samples beyond the threshold within the same window that keep a raised residual raised. A single wild one does not: where 2 %
-/// of the samples were wild, FDE1 was raised by three in a row once, and stood for an hour.
-const AGAIN: usize = 3;
-
-/// Newest wild readings whose times show how frequent they are.
-const WILD: usize = 8;
-
-/// For each of these times that the newest wild readings fit into, s, a residual has to stay for a further sample. At 50 Hz they
-/// are one reading in 120, and one in 40. Where 2 % are wild, three follow each other forty times an hour on a machine, and five
-/// hardly ever.
-const FREQUENT: [f64; 2] = [20.0, 6.0];
-
-/// Most samples that a residual has to stay beyond its threshold to be a fault.
-pub const LONGEST_WAIT: usize = VerdictParameters::DEFAULT.lasting as usize + FREQUENT.len();
-
 /// Follows one residual until it has stayed beyond its threshold for some samples, or was there often.
 #[derive(Clone, Debug)]
 pub struct Persistence {
     exceeded: Option<Exceeded>,
     /// Newest samples beyond the threshold, the oldest first.
-    newest: [Option<Lasting>; OFTEN],
+    newest: [Option<Lasting>; KEPT_EXCEEDED],
     /// When the newest readings were wild, the oldest first.
-    wild: [Option<Timestamp>; WILD],
+    wild: [Option<Timestamp>; KEPT_WILD],
     /// Samples that it has to stay where hardly any is wild.
     samples: u32,
     parameters: &'static VerdictParameters,
@@ -82,7 +63,13 @@ state! {
 impl Persistence {
     /// For a residual that is a fault once it has stayed beyond its threshold for this number of `samples`, at least 1.
     pub const fn new(samples: u32, parameters: &'static VerdictParameters) -> Self {
-        Self { exceeded: None, newest: [None; OFTEN], wild: [None; WILD], samples, parameters }
+        Self {
+            exceeded: None,
+            newest: [None; KEPT_EXCEEDED],
+            wild: [None; KEPT_WILD],
+            samples,
+            parameters,
+        }
     }
 
     /// Cycles that it takes until a residual that stays is a fault.
@@ -130,13 +117,14 @@ impl Persistence {
         exceeds: bool,
     ) -> Option<Lasting> {
         // An error of the model is in both observers: as it swings after a load has doubled, it is no noise of a reading.
-        let often = Some(OFTEN).filter(|_| !self.is_shared(&sample));
+        let often = Some(self.parameters.often).filter(|_| !self.is_shared(&sample));
         self.lasting(at, sample, exceeds, often)
     }
 
     /// Takes a residual of a detector that is raised, and returns whether it `exceeds` its threshold so that it stays raised.
     pub fn goes_on(&mut self, at: Timestamp, sample: ResidualSample, exceeds: bool) -> bool {
-        self.is_immediate() && exceeds || self.lasting(at, sample, exceeds, Some(AGAIN)).is_some()
+        self.is_immediate() && exceeds
+            || self.lasting(at, sample, exceeds, Some(self.parameters.again)).is_some()
     }
 
     /// Whether the other observer sees the residual, too.
@@ -158,7 +146,7 @@ impl Persistence {
         let before = self.exceeded.filter(|_| self.stays(stands));
         if let (Some(wild), None) = (self.exceeded, before) {
             self.wild.rotate_left(1);
-            self.wild[WILD - 1] = Some(wild.at);
+            self.wild[KEPT_WILD - 1] = Some(wild.at);
         }
         let began = exceeds.then_some(Exceeded {
             at,
@@ -195,14 +183,14 @@ impl Persistence {
         let within = |seconds: &&f64| {
             self.wild[0].is_some_and(|first| at.since(first) < Span::from_seconds(**seconds))
         };
-        self.samples + FREQUENT.iter().filter(within).count() as u32
+        self.samples + self.parameters.frequent.iter().filter(within).count() as u32
     }
 
     /// The newest samples beyond the threshold, where `count` of them are frequent enough for noise.
     fn often(&mut self, at: Timestamp, residual: f64, count: usize) -> Option<Lasting> {
         self.newest.rotate_left(1);
-        self.newest[OFTEN - 1] = Some(Lasting { since: at, largest: residual });
-        let since = self.newest[OFTEN - count]?.since;
+        self.newest[KEPT_EXCEEDED - 1] = Some(Lasting { since: at, largest: residual });
+        let since = self.newest[KEPT_EXCEEDED - count]?.since;
         let larger =
             |one: f64, it: Lasting| if it.largest.abs() > one.abs() { it.largest } else { one };
         let largest = self.newest.iter().flatten().fold(0.0, |one, it| larger(one, *it));
