@@ -13,17 +13,13 @@
 use super::parameters::BlameParameters;
 use crate::sample::Transducer;
 use crate::state::whole;
-use crate::verdict::VerdictParameters;
 
 const P: &BlameParameters = &BlameParameters::DEFAULT;
 
-/// Part of the innovation below which C1 − C2 does not show it, and above which the other observer sees it.
-const SHARED: f64 = VerdictParameters::DEFAULT.shared;
-
-/// Whether the observer of the `other` transducer sees less than half of the residual `own`, m: an error of the model is in
+/// Whether the observer of the `other` transducer sees less than [`BlameParameters::alone`] of the residual `own`, m: an error of the model is in
 /// both. Where the other one does not judge nothing is known.
 pub fn is_alone(own: f64, other: Option<f64>) -> bool {
-    other.is_some_and(|other| other.abs() < SHARED * own.abs())
+    other.is_some_and(|other| other.abs() < P.alone * own.abs())
 }
 
 /// Whether the observer with the residual `other`, m, sees more than this `part` of the residual `own`, m, in the same
@@ -70,7 +66,7 @@ impl Agreement {
             let shared = || both.is_some_and(|(own, other)| sees(own, other, P.alike));
             let agree = || {
                 both.zip(apart).is_some_and(|((own, other), apart)| {
-                    apart < SHARED * own.abs() && sees(own, other, P.seen)
+                    apart < P.hidden * own.abs() && sees(own, other, P.seen)
                 })
             };
             (self.shared[i], self.process[i]) = match (self.raised[i], raised[i]) {

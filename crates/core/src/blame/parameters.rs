@@ -16,11 +16,18 @@ pub struct BlameParameters {
     pub seen: f64,
     /// The same where they do not agree; 0.6 to 0.9. Beside a fault of its own the error of the model is rarely as large.
     pub alike: f64,
+    /// Part of the innovation below which C1 − C2 does not show it; 0.3 to 0.7. A fault of a reading appears in C1 − C2 no less
+    /// than in the innovation.
+    pub hidden: f64,
+    /// Part of the innovation below which the other observer does not see it, either way; 0.3 to 0.7. An error of the model is in
+    /// both.
+    pub alone: f64,
 }
 
 impl BlameParameters {
     /// The same for every machine.
-    pub const DEFAULT: Self = Self { stood: 0.06, awaited: 0.1, seen: 0.25, alike: 0.75 };
+    pub const DEFAULT: Self =
+        Self { stood: 0.06, awaited: 0.1, seen: 0.25, alike: 0.75, hidden: 0.5, alone: 0.5 };
 
     /// [`Self::stood`] and [`Self::awaited`] in samples of a machine with this `sample_time`, s.
     pub fn samples(&self, sample_time: f64) -> [u32; 2] {
