@@ -4,11 +4,8 @@
 //! these agree and nothing but the usual noise is left, the newer mean is the size of the step. How far the halves are
 //! apart is a rate, and widens what is subtracted for as long as nobody confirms it.
 
+use super::parameters::EstimateParameters;
 use crate::state::{state, whole};
-
-/// Standard deviations of the usual difference by which the two halves may be apart, and by which a difference may
-/// scatter within a half: what fluctuates now and then stays below, a drift that matters within minutes does not.
-const STILL: f64 = 3.0;
 
 /// When a step is subtracted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,10 +104,10 @@ impl Accommodation {
 
     /// What to subtract, where healthy differences have the mean square `usual`, m²; `None` unless it stood still for
     /// long enough, not too long ago.
-    pub fn offset(&self, usual: f64) -> Option<Offset> {
+    pub fn offset(&self, usual: f64, parameters: &EstimateParameters) -> Option<Offset> {
         let [older, newer] = self.halves;
         let half = f64::from(self.design.after / 2);
-        let most = STILL * STILL * usual;
+        let most = parameters.still * parameters.still * usual;
         let apart = newer.mean - older.mean;
         let is_still = older.count > 0
             && older.variance().max(newer.variance()) <= most
@@ -127,6 +124,7 @@ mod tests {
     use super::*;
 
     const DESIGN: AccommodationDesign = AccommodationDesign { settle: 10, after: 200, most: 1000 };
+    const P: &EstimateParameters = &EstimateParameters::DEFAULT;
     /// Mean square of a usual difference, m².
     const USUAL: f64 = 1e-8;
 
@@ -144,27 +142,27 @@ mod tests {
 
     #[test]
     fn a_step_is_known_once_it_stood_still_and_for_as_long_as_configured() {
-        assert_eq!(after(199, |_| 0.01).offset(USUAL), None);
+        assert_eq!(after(199, |_| 0.01).offset(USUAL, P), None);
         let mut step = after(200, |_| 0.01);
-        let offset = step.offset(USUAL).expect("it stood still");
+        let offset = step.offset(USUAL, P).expect("it stood still");
         assert!((offset.size - 0.01).abs() < 1e-9 && (offset.variance - 1e-8).abs() < 1e-10);
         (0..1000).for_each(|_| step.step(None));
-        assert!(step.offset(USUAL).is_some());
+        assert!(step.offset(USUAL, P).is_some());
         step.step(None);
-        assert_eq!(step.offset(USUAL), None, "it is too old");
+        assert_eq!(step.offset(USUAL, P), None, "it is too old");
         step.step(Some(0.01));
-        assert!(step.offset(USUAL).is_some(), "it was confirmed");
+        assert!(step.offset(USUAL, P).is_some(), "it was confirmed");
         step.forget();
-        assert_eq!(step.offset(USUAL), None);
+        assert_eq!(step.offset(USUAL, P), None);
     }
 
     #[test]
     fn what_does_not_stand_still_is_no_step() {
         // 1 mm/s, and noise of 1 mm.
-        assert_eq!(after(400, |k| 2e-5 * f64::from(k)).offset(USUAL), None);
-        assert_eq!(after(400, |k| if k % 4 < 2 { 1e-3 } else { -1e-3 }).offset(USUAL), None);
+        assert_eq!(after(400, |k| 2e-5 * f64::from(k)).offset(USUAL, P), None);
+        assert_eq!(after(400, |k| if k % 4 < 2 { 1e-3 } else { -1e-3 }).offset(USUAL, P), None);
         // It was a step, and went on.
-        assert_eq!(after(400, |k| if k < 250 { 0.01 } else { 0.02 }).offset(USUAL), None);
+        assert_eq!(after(400, |k| if k < 250 { 0.01 } else { 0.02 }).offset(USUAL, P), None);
     }
 
     /// A drift of 0.05 mm/s at 50 cycles a second.
@@ -174,7 +172,7 @@ mod tests {
         let mut drift = after(cycles, |k| speed * f64::from(k));
         for k in cycles..cycles + 1000 {
             drift.step(None);
-            let Offset { size, variance } = drift.offset(USUAL).expect("it is slow");
+            let Offset { size, variance } = drift.offset(USUAL, P).expect("it is slow");
             let off = (speed * f64::from(k) - size).abs();
             assert!(off < 2.0 * variance.sqrt(), "{k}: {off} {variance}");
         }

@@ -29,6 +29,10 @@ pub struct EstimateParameters {
     pub fastest: f64,
     /// An error of the last transducer that its supervision just does not find is this many deviations of the estimate.
     pub unseen: f64,
+    /// Standard deviations of the usual difference by which the two halves of a step's time may be apart, and by which a
+    /// difference may scatter within a half; 2 to 5. What fluctuates now and then stays below, a drift that matters within
+    /// minutes does not.
+    pub still: f64,
     /// Standard deviations of what is not known of a fitted drive: of its velocity's error, m/s, and of
     /// the slope of that, m/s². Several times what fitted drives are off by.
     pub drive_unknown: [f64; 2],
@@ -46,6 +50,7 @@ impl EstimateParameters {
         doubt: 4.0,
         fastest: 1.5,
         unseen: 3.0,
+        still: 3.0,
         drive_unknown: [0.05, 0.1],
         pressure_unknown: 100.0,
     };

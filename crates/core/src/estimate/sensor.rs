@@ -300,8 +300,9 @@ impl VirtualSensor {
                 && filter.is_fresh()
                 && filter.evidence()[0] >= self.design.settle
         };
-        let usual = self.differences.value();
-        (0..2).filter(is_left).find_map(|i| Some((i, accommodations[i].offset(usual)?)))
+        let (usual, parameters) = (self.differences.value(), self.design.parameters);
+        let offset = |i: usize| Some((i, accommodations[i].offset(usual, parameters)?));
+        (0..2).filter(is_left).find_map(offset)
     }
 
     /// The estimate by transducer `i` less its step.

@@ -6,6 +6,7 @@
 //! the hundredth hour that drives a rod towards the end of its workspace, has innovations of both transducers that reach
 //! several times what was seen.
 
+use super::parameters::ObserverParameters;
 use crate::state::state;
 
 /// Largest commands that thresholds were learnt with; infinite where that is not known.
@@ -21,9 +22,6 @@ impl LearntCommands {
     /// Nothing is known of them.
     pub const ANY: Self = Self { size: f64::INFINITY, change: f64::INFINITY };
 }
-
-/// Times that an observer takes to settle after which nothing is left of what it began with.
-const FORGOTTEN: u32 = 5;
 
 /// Follows one cylinder's command.
 #[derive(Clone, Debug)]
@@ -84,7 +82,8 @@ impl CommandWatch {
     /// Whether an observer that has followed for so many cycles has in its innovation what these commands did, as the other
     /// one has it: it has followed since before the first of them, or for so long that nothing is left of that.
     pub fn is_shared_by(&self, followed: u32) -> bool {
-        followed >= self.lasted.saturating_add(2).min(self.lasts.saturating_mul(FORGOTTEN))
+        let forgotten = self.lasts.saturating_mul(ObserverParameters::DEFAULT.forgotten);
+        followed >= self.lasted.saturating_add(2).min(forgotten)
     }
 
     /// Forgets the command, because the observers begin anew.

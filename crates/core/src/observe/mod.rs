@@ -3,4 +3,7 @@
 pub mod commands;
 pub mod model;
 pub mod observer;
+mod parameters;
 pub mod riccati;
+
+pub use parameters::ObserverParameters;

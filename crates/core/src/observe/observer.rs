@@ -1,6 +1,7 @@
 //! The observer of one transducer, which predicts the cylinder's length and gives the innovation.
 
 use super::model::{Model, POSITION, POSITION_AND_VELOCITY};
+use super::parameters::ObserverParameters;
 use super::riccati::{self, RiccatiError};
 use crate::state::{choice, state, whole};
 use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector3};
@@ -50,12 +51,12 @@ impl ObserverDesign {
         self.a - self.l * c
     }
 
-    /// Number of cycles until a missed correction affects the innovation by less than a tenth of
-    /// its first effect, from the powers of A − L C; at most the time to settle.
+    /// Number of cycles until a missed correction affects the innovation by less than
+    /// [`ObserverParameters::recovered`] of its first effect, from the powers of A − L C; at most the time to settle.
     pub fn recovery(&self) -> u32 {
         let decay = self.decay();
         let mut error: Vector3<f64> = self.l.column(0).into();
-        let shown = SHOWN * error[0].abs();
+        let shown = ObserverParameters::DEFAULT.recovered * error[0].abs();
         let mut cycles = 0;
         while cycles < self.settle && error[0].abs() >= shown && error[0] != 0.0 {
             error = decay * error;
@@ -64,9 +65,6 @@ impl ObserverDesign {
         cycles
     }
 }
-
-/// Part of the first effect, see [`ObserverDesign::recovery`].
-const SHOWN: f64 = 0.1;
 
 /// A reading that passed the plausibility checks.
 #[derive(Clone, Copy, Debug)]
