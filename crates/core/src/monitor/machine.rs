@@ -8,14 +8,9 @@ use crate::alarm::status::MAX_CYLINDERS;
 use crate::decode::Value;
 use crate::hexapod::{Inclination, Tilt, TiltChange, TiltLeg};
 use crate::process::{OilSample, Process, ProcessParameters, SupplyWatch};
+use crate::sequential::parameters::SamplingParameters;
 use crate::sequential::{Archive, DwellHistory, Sampling, Sequential, stops};
 use crate::time::Timestamp;
-
-/// Fewest cylinders with odd chambers at once that point to their supply.
-const MIN_ODD_CYLINDERS: usize = 2;
-
-/// Interval at which the sampling is checked, cycles.
-const SAMPLING_CHECK_CYCLES: u64 = 5;
 
 const _: () = assert!(MAX_CYLINDERS <= Sampling::MOST_CYLINDERS);
 
@@ -28,7 +23,7 @@ impl Monitor {
     /// Makes the sequential detectors allow for the sampling that most of them see, and reports
     /// changes.
     pub(super) fn follow_sampling(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        if !self.clock.number().is_multiple_of(SAMPLING_CHECK_CYCLES) {
+        if !self.clock.number().is_multiple_of(SamplingParameters::DEFAULT.every.into()) {
             return;
         }
         let Self { cylinders, sampling, .. } = self;
@@ -89,8 +84,8 @@ impl Monitor {
     fn follow_chambers(&mut self, odd: usize) {
         let comparing = self.cylinders.iter().filter_map(Cylinder::process);
         let known = comparing.filter(|process| process.knows_chambers()).count();
-        let is_many = odd as f64 >= ProcessParameters::DEFAULT.many * known as f64;
-        let is_odd = odd >= MIN_ODD_CYLINDERS && is_many;
+        let ProcessParameters { many, least_many, .. } = ProcessParameters::DEFAULT;
+        let is_odd = odd >= least_many && odd as f64 >= many * known as f64;
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.supply_is_odd = is_odd);
     }
 

@@ -52,10 +52,21 @@ pub struct ProcessParameters {
     /// as a part of the largest position.
     pub movements: usize,
     pub moving: f64,
+    /// Deviations of a late command that are as many times healthy ones are still taken for healthy; 2 to 5.
+    pub late_rest: f64,
+    /// Part of the largest position beyond which a spool that follows nothing else does not stick: it is commanded by
+    /// something else; 0.05 to 0.3.
+    pub most_sticking: f64,
+    /// Part of the deviations below the one that is taken for the band of a sticking spool, 0.9 to 1, …
+    pub in_band: f64,
+    /// … and what as many deviations of noise alone are below, in its standard deviations: it goes with `in_band`.
+    pub in_band_of_noise: f64,
     /// Time by which other cylinders may find the same, s, before a pressure sensor is named.
     pub company: f64,
     /// Least number of cylinders whose sums of chambers are off when it is the supply's sensor, as a part of all.
     pub many: f64,
+    /// The same as a number, 2 or more: one cylinder has nothing in common with others.
+    pub least_many: usize,
     /// Least number of samples with which the spool's positions between two knots of f are taught.
     pub flow_samples: u64,
     /// Part of P_S by which it may be beyond what was taught where f is believed of a gain.
@@ -128,8 +139,13 @@ impl ProcessParameters {
         left: 0.35,
         movements: 20,
         moving: 4e-3,
+        late_rest: 3.0,
+        most_sticking: 0.15,
+        in_band: 0.97,
+        in_band_of_noise: 2.17,
         company: 0.1,
         many: 0.6,
+        least_many: 2,
         flow_samples: 400,
         flow_untaught: 0.15,
         flow_block: 0.2,

@@ -11,19 +11,6 @@ pub const KEPT: usize = 512;
 /// The most cycles by which a command is tried to be late.
 pub const MOST_LATE: usize = 15;
 
-/// Part of the largest position beyond which a spool that follows nothing else does not stick: it is commanded by
-/// something else.
-const NO_STICKING: f64 = 0.15;
-
-/// Deviations that are as many times healthy ones are still taken for healthy.
-const ALIKE: f64 = 3.0;
-
-/// Part of the deviations below the one that is taken for the band of a sticking spool.
-const BAND: f64 = 0.97;
-
-/// Deviations of noise alone, in standard deviations, below which as many of them are.
-const NOISE: f64 = 2.17;
-
 /// What is wrong with a spool or its command, with its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpoolForm {
@@ -103,7 +90,7 @@ impl Trace {
         };
         let best = (1..=MOST_LATE).map(delayed).min_by(|one, other| one.0.total_cmp(&other.0));
         // A spool that sticks lags, too, but with no delay does it stand where it should.
-        let most = (by.left * variance).min(ALIKE * ALIKE * self.healthy(cycles, of));
+        let most = (by.left * variance).min(by.late_rest * by.late_rest * self.healthy(cycles, of));
         if let Some((_, late)) = best.filter(|(rest, _)| *rest < most) {
             return Some(SpoolForm::Late(late));
         }
@@ -111,8 +98,8 @@ impl Trace {
         if self.without_gain(cycles, gain) < by.left * square {
             return Some(SpoolForm::Gain(gain));
         }
-        let band = self.band(cycles, of);
-        Some(if band > NO_STICKING * largest {
+        let band = self.band(cycles, of, by);
+        Some(if band > by.most_sticking * largest {
             SpoolForm::Elsewhere(band)
         } else {
             SpoolForm::Sticking(band)
@@ -168,7 +155,7 @@ impl Trace {
 
     /// What nearly all deviations are within of where the spool goes to, which it lags behind: without its lag and
     /// what noise alone would be.
-    fn band(&self, cycles: usize, of: &SpoolDesign) -> f64 {
+    fn band(&self, cycles: usize, of: &SpoolDesign, by: &ProcessParameters) -> f64 {
         let (kept, moved) = (of.retained, 1.0 - of.retained);
         let rest = |ago: usize| self.ago(ago)[0] - self.expected(ago);
         let (mut sizes, mut count) = ([0.0; KEPT], 0);
@@ -180,11 +167,11 @@ impl Trace {
             }
         }
         let sizes = &mut sizes[..count.max(1)];
-        let place = (BAND * sizes.len() as f64) as usize;
+        let place = (by.in_band * sizes.len() as f64) as usize;
         let (_, band, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
-        let noise = NOISE * of.noise * libm::sqrt(1.0 + kept * kept) / moved;
+        let noise = by.in_band_of_noise * of.noise * libm::sqrt(1.0 + kept * kept) / moved;
         // They are spread evenly over the band.
-        libm::sqrt((*band * *band - noise * noise).max(0.0)) / BAND
+        libm::sqrt((*band * *band - noise * noise).max(0.0)) / by.in_band
     }
 }
 

@@ -1,11 +1,13 @@
 //! Limits of a single sample's contribution.
 
+use super::parameters::OutlierParameters;
 use super::statistic::{Bands, Scales};
 use super::wild::Frequency;
+use super::windows::window_of;
 use crate::state::state;
 
-/// The index of the window of so many samples as wild ones must not be a fault by, of [`super::windows::WIDTHS`].
-const SEVERAL: usize = 3;
+/// The window of several wild samples.
+const OF_SEVERAL: usize = window_of(OutlierParameters::DEFAULT.several);
 
 /// Values beyond which a sample contributes no more: a wild one is assumed to lie there
 /// ([`super::wild`]), and greater distance proves nothing more. The evidence of a window is convex
@@ -37,7 +39,7 @@ impl Clip {
         let farthest = |nats: Option<f64>| nats.unwrap_or(f64::INFINITY).min(bands.farthest());
         let root = farthest(scales.square().reaches(square));
         Self {
-            farthest: farthest(scales.mean().reaches(mean)) + bands.dead_band_of(SEVERAL),
+            farthest: farthest(scales.mean().reaches(mean)) + bands.dead_band_of(OF_SEVERAL),
             square: root * root + bands.spread_band(),
         }
     }

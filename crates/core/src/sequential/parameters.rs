@@ -11,6 +11,7 @@
 mod alarm;
 mod drive;
 mod evidence;
+mod excursions;
 mod onset;
 mod residual;
 mod sampling;
@@ -18,6 +19,7 @@ mod sampling;
 pub use alarm::{AlarmParameters, KindParameters, PairParameters, ScaleParameters};
 pub use drive::{DriveCycles, DriveParameters, MOST_PHASES};
 pub use evidence::{DependenceParameters, EvidenceParameters, OutlierParameters};
+pub use excursions::ExcursionParameters;
 pub use onset::OnsetParameters;
 pub use residual::{MOST_CYCLES, ResidualCycles, ResidualParameters};
 pub use sampling::{SamplingParameters, WitnessParameters};
@@ -35,6 +37,7 @@ pub struct SequentialParameters {
     pub kind: KindParameters,
     pub pair: PairParameters,
     pub onset: OnsetParameters,
+    pub excursions: ExcursionParameters,
     pub drive: DriveParameters,
     pub scale: ScaleParameters,
     pub sampling: SamplingParameters,
@@ -50,6 +53,7 @@ impl SequentialParameters {
         kind: KindParameters::DEFAULT,
         pair: PairParameters::DEFAULT,
         onset: OnsetParameters::DEFAULT,
+        excursions: ExcursionParameters::DEFAULT,
         drive: DriveParameters::DEFAULT,
         scale: ScaleParameters::DEFAULT,
         sampling: SamplingParameters::DEFAULT,

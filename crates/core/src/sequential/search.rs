@@ -2,20 +2,14 @@
 
 use super::samples::{AT_REST, History, MOVING};
 use super::statistic::{Peak, Scales, larger};
-use super::windows::{Few, Sums, VALUES, WIDTHS, add};
+use super::windows::{Few, NARROW_WINDOWS, Sums, VALUES, WIDE_EVERY, WIDTHS, add};
 use crate::state::whole;
 use core::ops::Range;
 
-/// So many windows are of samples at rest, too, …
-const FEW: usize = 5;
+/// So many windows are of samples at rest, too.
+const WINDOWS_AT_REST: usize = 5;
 
-/// … so many, up to 16 samples, are looked at with every sample, …
-const NARROW: usize = 8;
-
-/// … and wider ones every so many: what fills them comes no sooner.
-const EVERY: u32 = 4;
-
-const _: () = assert!(WIDTHS[FEW - 1] <= AT_REST && WIDTHS[FEW] > AT_REST);
+const _: () = assert!(WIDTHS[WINDOWS_AT_REST - 1] <= AT_REST && WIDTHS[WINDOWS_AT_REST] > AT_REST);
 
 impl Scales {
     /// Both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
@@ -58,7 +52,7 @@ pub struct Search {
 
 whole! {
     Search { age, wide }
-    sound |it| it.age < EVERY
+    sound |it| it.age < WIDE_EVERY
 }
 
 impl Search {
@@ -69,7 +63,7 @@ impl Search {
         if self.age == 0 {
             self.wide = scales.wide(history, widest);
         }
-        self.age = (self.age + 1) % EVERY;
+        self.age = (self.age + 1) % WIDE_EVERY;
         [larger(narrow[0], self.wide[0]), larger(narrow[1], self.wide[1])]
     }
 }
@@ -86,16 +80,16 @@ impl Scales {
         self.few::<3>(few, reach, &mut sums, &mut largest);
         self.few::<4>(few, reach, &mut sums, &mut largest);
         let (many, reach) = (history.many(), history.many().held().min(widest));
-        self.many(FEW, many, reach, &mut largest);
-        self.many(FEW + 1, many, reach, &mut largest);
-        self.many(FEW + 2, many, reach, &mut largest);
+        self.many(WINDOWS_AT_REST, many, reach, &mut largest);
+        self.many(WINDOWS_AT_REST + 1, many, reach, &mut largest);
+        self.many(WINDOWS_AT_REST + 2, many, reach, &mut largest);
         largest.peaks
     }
 
     fn wide(&self, history: &History, widest: usize) -> [Peak; 2] {
         let mut largest = Largest::default();
         let (many, reach) = (history.many(), history.many().held().min(widest));
-        for index in NARROW..WIDTHS.len() {
+        for index in NARROW_WINDOWS..WIDTHS.len() {
             self.many(index, many, reach, &mut largest);
         }
         largest.peaks
@@ -233,8 +227,8 @@ mod tests {
                 }
                 history.push(*sample, &clip, *independence);
                 for widest in [1, 6, 48, 1024] {
-                    let narrow = scales.exhaustive(0..NARROW, &history, widest);
-                    let wide = scales.exhaustive(NARROW..WIDTHS.len(), &history, widest);
+                    let narrow = scales.exhaustive(0..NARROW_WINDOWS, &history, widest);
+                    let wide = scales.exhaustive(NARROW_WINDOWS..WIDTHS.len(), &history, widest);
                     assert_eq!(scales.narrow(&history, widest), narrow, "{which} {k} {widest}");
                     assert_eq!(scales.wide(&history, widest), wide, "{which} {k} {widest}");
                     found += usize::from(wide[0].nats > 1.0) + usize::from(wide[1].nats > 1.0);
@@ -257,7 +251,7 @@ mod tests {
             );
             all.push(scales.peaks(&history, 1024)[0].nats);
             let [found, _] = search.step(&scales, &history, 1024);
-            let before = all[k.saturating_sub(EVERY as usize - 1)];
+            let before = all[k.saturating_sub(WIDE_EVERY as usize - 1)];
             assert!(found.nats < all[k] + 1e-9 && found.nats > before - 1e-9, "{k}: {found:?}");
         }
         assert!(all[299] > 20.0, "{}", all[299]);

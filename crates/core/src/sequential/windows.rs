@@ -8,6 +8,21 @@ use alloc::boxed::Box;
 pub const WIDTHS: [usize; 20] =
     [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024];
 
+/// The index of the window of so many samples, or of the next wider one.
+pub const fn window_of(width: usize) -> usize {
+    let mut index = 0;
+    while WIDTHS[index] < width {
+        index += 1;
+    }
+    index
+}
+
+/// Number of windows, those of up to 16 samples, that are looked at with every sample, …
+pub const NARROW_WINDOWS: usize = window_of(16) + 1;
+
+/// … and samples from one look at the wider ones to the next: what fills them comes no sooner.
+pub const WIDE_EVERY: u32 = 4;
+
 /// Values that are summed.
 pub const VALUES: usize = 4;
 
@@ -92,14 +107,14 @@ impl<const N: usize, const V: usize, const R: usize> Default for Sums<N, V, R> {
     }
 }
 
-/// So many samples are few.
-const FEW: usize = 8;
+/// Samples that [`Few`] holds.
+const HELD_BY_FEW: usize = 8;
 
 /// The newest samples, few enough to be added up each time.
 #[derive(Clone, Debug, Default)]
 pub struct Few {
     /// Ring stored twice, so that the newest samples are contiguous somewhere.
-    rings: [[f64; VALUES]; 2 * FEW],
+    rings: [[f64; VALUES]; 2 * HELD_BY_FEW],
     count: usize,
 }
 
@@ -113,23 +128,23 @@ impl Few {
     /// Number of samples that are held.
     #[inline]
     pub fn held(&self) -> usize {
-        self.count.min(FEW)
+        self.count.min(HELD_BY_FEW)
     }
 
     /// Takes a sample.
     #[inline]
     pub fn push(&mut self, values: [f64; VALUES]) {
-        let place = self.count % FEW;
+        let place = self.count % HELD_BY_FEW;
         self.rings[place] = values;
-        self.rings[place + FEW] = values;
+        self.rings[place + HELD_BY_FEW] = values;
         self.count += 1;
     }
 
     /// The sample of `ago` pushes before, less than eight.
     #[inline]
     pub fn ago(&self, ago: usize) -> [f64; VALUES] {
-        let newest = self.count.wrapping_sub(1) % FEW + FEW;
-        self.rings[newest - ago % FEW]
+        let newest = self.count.wrapping_sub(1) % HELD_BY_FEW + HELD_BY_FEW;
+        self.rings[newest - ago % HELD_BY_FEW]
     }
 
     /// The sums over the newest `width` samples; `None` if there are not so many.

@@ -3,14 +3,10 @@
 use super::{Design, Sequential};
 use crate::sequential::alarm::Alarm;
 use crate::sequential::noise::Noise;
-use crate::sequential::parameters::SequentialCycles;
+use crate::sequential::parameters::{SamplingParameters, SequentialCycles};
 use crate::sequential::sampling::{Apart, SamplingEvidence};
 use crate::sequential::witness::Claim;
 use crate::verdict::{Fault, Suspect};
-
-/// Cycles before a look in which the other cylinders are asked: as many as lie between two times that the
-/// monitor asks.
-const AHEAD: u32 = 5;
 
 impl Sequential {
     /// What the residuals show of the sampling times of C1 and C2; `None` while one of them is at
@@ -72,7 +68,9 @@ impl Alarm {
     /// Whether the alarm blames nobody and will soon be examined, so that the others must be asked
     /// about the sampling.
     fn is_to_be_claimed(&self, cycles: &SequentialCycles) -> bool {
-        let soon = self.age.max(cycles.noise_told - 1) + 1..=self.age + AHEAD;
+        // Those of a look before they are asked again.
+        let ahead = SamplingParameters::DEFAULT.every;
+        let soon = self.age.max(cycles.noise_told - 1) + 1..=self.age + ahead;
         let asks = self.suspect == Suspect::Undecided && !self.of_timing;
         asks && cycles.looks.iter().any(|look| soon.contains(look))
     }

@@ -1,5 +1,6 @@
 //! What a healthy cylinder seldom exceeds.
 
+use crate::sequential::parameters::ExcursionParameters;
 use crate::sequential::windows::WIDTHS;
 
 /// Number of boxes: from 0.28 mm on every eighth of a millimetre.
@@ -34,13 +35,10 @@ pub struct ExcursionLimits {
     pub elsewhere: [f64; WIDTHS.len()],
 }
 
-/// From the lower end of one box to that of the next, m: a box is about four times as wide, so that a displacement is in three or four.
-const SPACING: f64 = 1.25e-4;
-
 impl ExcursionLimits {
     /// The boxes of which the `first` begins at this difference, m, and that have this `width`, m; the last one has no upper end.
     pub fn boxes(first: f64, width: f64) -> [[f64; 2]; BOXES] {
-        let low = |index: usize| first + SPACING * index as f64;
+        let low = |index: usize| first + ExcursionParameters::DEFAULT.spacing * index as f64;
         core::array::from_fn(|index| {
             [low(index), if index + 1 == BOXES { f64::INFINITY } else { low(index) + width }]
         })

@@ -17,6 +17,7 @@ pub use limits::{BOXES, CLIPS, ExcursionLimits, STRAYS};
 pub use onset::{AlarmWindow, Beginning, Onset, displaced, find, student};
 pub use sums::OFF;
 
+use super::parameters::ExcursionParameters;
 use super::samples::Sample;
 use super::statistic::{Peak, larger};
 use crate::state::state;
@@ -36,8 +37,7 @@ state! {
     but { level }
 }
 
-/// Largest part of a sample's uncertainty that is no displacement in any limit, m: they have dead bands of 0.01 to 0.1 mm.
-const KNOWN: f64 = 3e-5;
+const P: &ExcursionParameters = &ExcursionParameters::DEFAULT;
 
 impl Excursions {
     pub fn new(limits: &ExcursionLimits) -> Self {
@@ -64,10 +64,10 @@ impl Excursions {
 #[inline]
 fn known(sample: &Sample) -> f64 {
     let Sample { residual, doubt, .. } = *sample;
-    if doubt <= KNOWN * KNOWN {
+    if doubt <= P.allowed_doubt * P.allowed_doubt {
         return residual;
     }
-    let doubt = libm::sqrt(doubt) - KNOWN;
+    let doubt = libm::sqrt(doubt) - P.allowed_doubt;
     if residual.abs() > doubt { residual - doubt.copysign(residual) } else { 0.0 }
 }
 

@@ -23,9 +23,6 @@ pub struct Onset {
     pub beginning: Beginning,
 }
 
-/// Degrees of freedom of the residuals that the onset is sought by: one in some hundreds is wild.
-const FREEDOM: f64 = 4.0;
-
 /// A window of an alarm in the residuals.
 #[derive(Clone, Copy, Debug)]
 pub struct AlarmWindow {
@@ -52,7 +49,7 @@ pub fn find(newest: &[f64], window: &AlarmWindow, p: &OnsetParameters) -> Option
         return None;
     }
     let earliest = (age + width + p.before).min(newest.len());
-    let step = step(&newest[..earliest], size, deviation)?;
+    let step = step(&newest[..earliest], size, deviation, p)?;
     let ramp =
         if size.abs() >= p.large * deviation { ramp(newest, step, size, window, p) } else { None };
     let onset = match ramp {
@@ -80,10 +77,10 @@ fn size(newest: &[f64], window: &AlarmWindow, p: &OnsetParameters) -> Option<f64
 }
 
 /// The onset of a step of this `size`, m, that explains all samples since best, in samples ago; `None` where that is the oldest one.
-fn step(newest: &[f64], size: f64, deviation: f64) -> Option<usize> {
+fn step(newest: &[f64], size: f64, deviation: f64, p: &OnsetParameters) -> Option<usize> {
     let (mut best, mut ago, mut sum) = (0.0, None, 0.0);
     for (count, residual) in (1..).zip(newest) {
-        sum += displaced(*residual, size, deviation);
+        sum += displaced(*residual, size, deviation, p);
         if sum > best {
             (best, ago) = (sum, Some(count));
         }
@@ -92,8 +89,9 @@ fn step(newest: &[f64], size: f64, deviation: f64) -> Option<usize> {
 }
 
 /// How much more likely a `size` makes a residual than none, nats, where residuals have this `deviation`, m.
-pub fn displaced(residual: f64, size: f64, deviation: f64) -> f64 {
-    student(residual - size, deviation, FREEDOM) - student(residual, deviation, FREEDOM)
+pub fn displaced(residual: f64, size: f64, deviation: f64, p: &OnsetParameters) -> f64 {
+    let freedom = p.sought_freedom;
+    student(residual - size, deviation, freedom) - student(residual, deviation, freedom)
 }
 
 struct Ramp {

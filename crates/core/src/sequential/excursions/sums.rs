@@ -2,17 +2,12 @@
 
 use super::filled::Filled;
 use super::limits::{CLIPS, ExcursionLimits};
-use crate::sequential::windows::{Sums, WIDTHS};
+use crate::sequential::parameters::ExcursionParameters;
+use crate::sequential::windows::{NARROW_WINDOWS, Sums, WIDE_EVERY, WIDTHS};
 use crate::state::state;
 
 /// Values that are summed: the residual by each clip, its square, and whether it is off and elsewhere than the one before.
 const VALUES: usize = CLIPS + 2;
-
-/// Number of windows that are compared with every sample: those of up to 16 samples.
-const NARROW: usize = 8;
-
-/// Samples from one comparison of the wider windows to the next, as in [`crate::sequential::search`].
-const EVERY: u32 = 4;
 
 /// Most samples of a window.
 const WIDEST: usize = 1024;
@@ -36,11 +31,11 @@ pub struct WindowSums {
 state! {
     WindowSums { sums, before, age, wide }
     but { clips, off, parts }
-    sound |it| it.age < EVERY
+    sound |it| it.age < WIDE_EVERY
 }
 
-/// Deviations of the noise beyond which a sample is off: one in 370 of normal noise.
-pub const OFF: f64 = 3.0;
+/// [`ExcursionParameters::off`], by which calibration and detector count alike.
+pub const OFF: f64 = ExcursionParameters::DEFAULT.off;
 
 impl WindowSums {
     pub fn new(limits: &ExcursionLimits) -> Self {
@@ -82,10 +77,10 @@ impl WindowSums {
         ]);
         let reach = self.sums.held().min(widest);
         if self.age == 0 {
-            self.wide = self.largest(NARROW, WIDTHS.len(), reach);
+            self.wide = self.largest(NARROW_WINDOWS, WIDTHS.len(), reach);
         }
-        self.age = (self.age + 1) % EVERY;
-        let narrow = self.largest(0, NARROW, reach);
+        self.age = (self.age + 1) % WIDE_EVERY;
+        let narrow = self.largest(0, NARROW_WINDOWS, reach);
         let larger =
             |i: usize| if self.wide[i].part > narrow[i].part { self.wide[i] } else { narrow[i] };
         [larger(0), larger(1)]

@@ -65,7 +65,7 @@ impl Pair {
                         let age = (ago + at).checked_sub(first);
                         age.map_or(0.0, |age| sign * onset.size * sum(age))
                     };
-                    shift(onset, ago, residuals, deviation) + seen.likelihood(expected)
+                    shift(onset, ago, residuals, deviation, p) + seen.likelihood(expected)
                 });
             log_sum(shifted)
         };
@@ -119,10 +119,10 @@ fn course(onset: &Onset, residuals: &[f64], first: usize) -> [f64; KEPT] {
 }
 
 /// How much more likely C1 − C2 makes an onset `ago` samples ago than that which was found, nats.
-fn shift(onset: &Onset, ago: usize, residuals: &[f64], deviation: f64) -> f64 {
+fn shift(onset: &Onset, ago: usize, residuals: &[f64], deviation: f64, p: &OnsetParameters) -> f64 {
     let of = |from: usize, to: usize| {
         let between = residuals.get(from..to).unwrap_or_default().iter();
-        between.map(|it| displaced(*it, onset.size, deviation)).sum::<f64>()
+        between.map(|it| displaced(*it, onset.size, deviation, p)).sum::<f64>()
     };
     if ago > onset.ago { of(onset.ago, ago) } else { -of(ago, onset.ago) }
 }
@@ -142,7 +142,7 @@ mod tests {
         let residuals: Vec<f64> = (1..=40).map(|ago| if ago <= 10 { size } else { 0.0 }).collect();
         let from = |found: usize, ago: usize| {
             let onset = Onset { ago: found, size, beginning: Beginning::Step };
-            shift(&onset, ago, &residuals, deviation)
+            shift(&onset, ago, &residuals, deviation, &OnsetParameters::DEFAULT)
         };
         assert!(from(12, 10) > 0.0 && from(12, 14) < 0.0 && from(12, 12) == 0.0);
         assert!(from(8, 10) > 0.0 && from(8, 7) < 0.0);

@@ -40,6 +40,9 @@ pub struct OutlierParameters {
     pub in_a_row: f64,
     /// The same to any side.
     pub of_any_side: f64,
+    /// So many wild ones in a row must not be a fault where they are frequent; samples, one of
+    /// [`crate::sequential::windows::WIDTHS`].
+    pub several: usize,
     /// They are frequent beyond this part of the share that is expected; 0 to 1.
     pub frequent: f64,
     /// Their share is a mean over so many samples that of the share which is frequent this many are wild;
@@ -53,6 +56,7 @@ impl OutlierParameters {
         beside: 3.45,
         in_a_row: 4.75,
         of_any_side: 5.59,
+        several: 4,
         frequent: 0.3,
         counted: 10.0,
     };

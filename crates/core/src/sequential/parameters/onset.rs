@@ -32,6 +32,8 @@ pub struct OnsetParameters {
     pub around: usize,
     /// Samples from the onset that tell: then the filter has followed.
     pub telling: usize,
+    /// Degrees of freedom of the residuals that the onset is sought by; 3 to 10. One in some hundreds is wild.
+    pub sought_freedom: f64,
     /// Samples before the onset that show how much the command's prediction errs now: bursts of the model widen it.
     pub errors: usize,
     /// Degrees of freedom of its errors; 4 to 15.
@@ -62,6 +64,7 @@ impl OnsetParameters {
         edge: 0.6,
         around: 3,
         telling: 16,
+        sought_freedom: 4.0,
         errors: 48,
         freedom: 8.0,
         agreeing: 1.5,

@@ -31,6 +31,8 @@ pub struct SamplingParameters {
     pub sure: f64,
     /// What was told is over below this part of `least_apart`; 0 to 1, so that it does not come and go.
     pub over: f64,
+    /// All cylinders together are asked in every so many cycles; 1 to 25. In cycles, for it is a share of the work of a cycle.
+    pub every: u32,
     /// It takes up to so long until all cylinders together know, s; one of them may have an alarm first.
     pub shared: f64,
 }
@@ -50,6 +52,7 @@ impl SamplingParameters {
         margin: 1.15,
         sure: 3.0,
         over: 0.7,
+        every: 5,
         shared: 5.0,
     };
 }
