@@ -13,7 +13,7 @@ pub const FEATURES: usize = LAGS.len() + BENT;
 const BENT: usize = 6;
 
 /// As many as there are places in a ring, a power of two.
-const HELD: usize = 32;
+const COMMANDS_HELD: usize = 32;
 
 /// The higher one of the speeds at which a valve bends, m/s.
 const WIDE_BEND: f64 = 5.0 * DriveParameters::DEFAULT.bend;
@@ -23,7 +23,7 @@ const WIDE_BEND: f64 = 5.0 * DriveParameters::DEFAULT.bend;
 pub struct Commands {
     /// A ring, twice: somewhere it has the newest in a row. One for each cycle of a step, so that in each
     /// neighbours are a step apart.
-    rings: [[f64; 2 * HELD]; MOST_PHASES],
+    rings: [[f64; 2 * COMMANDS_HELD]; MOST_PHASES],
     cycles: DriveCycles,
     /// The ring of the newest command, and how many it has had.
     phase: usize,
@@ -45,7 +45,7 @@ impl Commands {
     pub fn new(parameters: &DriveParameters, sample_time: f64) -> Self {
         let cycles = parameters.cycles(sample_time);
         let needed = LAGS[LAGS.len() - 1] * cycles.phases + 1;
-        let rings = [[0.0; 2 * HELD]; MOST_PHASES];
+        let rings = [[0.0; 2 * COMMANDS_HELD]; MOST_PHASES];
         Self { rings, cycles, phase: 0, turn: 0, count: 0, needed }
     }
 
@@ -56,9 +56,9 @@ impl Commands {
         if self.phase >= self.cycles.phases {
             (self.phase, self.turn) = (0, self.turn.wrapping_add(1));
         }
-        let (ring, place) = (&mut self.rings[self.phase % MOST_PHASES], self.turn % HELD);
+        let (ring, place) = (&mut self.rings[self.phase % MOST_PHASES], self.turn % COMMANDS_HELD);
         ring[place] = command;
-        ring[place + HELD] = command;
+        ring[place + COMMANDS_HELD] = command;
         self.count += 1;
     }
 
@@ -72,10 +72,11 @@ impl Commands {
         if self.count < self.needed {
             return None;
         }
-        let (ring, newest) = (&self.rings[self.phase % MOST_PHASES], self.turn % HELD + HELD);
+        let (ring, newest) =
+            (&self.rings[self.phase % MOST_PHASES], self.turn % COMMANDS_HELD + COMMANDS_HELD);
         let ago = |steps: usize| ring[newest - steps];
         let lagged = LAGS.map(ago);
-        let bent = bent(ago(self.cycles.delay % HELD));
+        let bent = bent(ago(self.cycles.delay % COMMANDS_HELD));
         Some(core::array::from_fn(
             |i| if i < LAGS.len() { lagged[i] } else { bent[i - LAGS.len()] },
         ))

@@ -6,7 +6,7 @@ use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
 /// Fewer are no history.
-pub const LEAST: usize = 3;
+pub const LEAST_DWELLS: usize = 3;
 
 const P: &StopParameters = &StopParameters::DEFAULT;
 

@@ -1,6 +1,6 @@
 //! History of the dwells of one cylinder.
 
-use super::dwell::{Dwell, LEAST};
+use super::dwell::{Dwell, LEAST_DWELLS};
 use super::stops::{Day, StopParameters};
 use super::trend::Trend;
 use crate::state::whole;
@@ -10,7 +10,7 @@ use thiserror::Error;
 
 /// Dwells, or means of dwells, that are kept: beyond that older ones are put together, so that the span
 /// of time stays.
-pub const MOST: usize = 128;
+pub const MOST_DWELLS: usize = 128;
 
 /// A history that was kept by an earlier version may have so many.
 pub const MOST_READ: usize = 512;
@@ -207,13 +207,13 @@ impl DwellHistory {
     /// Merges surplus dwells: those of one day, the oldest first; where there is one a day left,
     /// pairs of days of the older half, except the first three.
     fn shorten(&mut self) {
-        while self.dwells.len() > MOST {
+        while self.dwells.len() > MOST_DWELLS {
             let same = |pair: &[Dwell]| day(pair[0].at) == day(pair[1].at);
             match self.dwells.windows(2).position(same) {
                 Some(place) => self.merge(place),
                 None => {
                     let middle = self.dwells.len() / 2;
-                    (LEAST..middle - 1).rev().step_by(2).for_each(|place| self.merge(place));
+                    (LEAST_DWELLS..middle - 1).rev().step_by(2).for_each(|place| self.merge(place));
                 }
             }
         }
@@ -367,14 +367,14 @@ mod tests {
         assert_eq!(restore(mixed, vec![1; 4], gauging), Err(Flaw::Kind));
         // As many as an earlier version kept are put together.
         let long = restore(dwells(MOST_READ), vec![1; MOST_READ], gauging).expect("a history");
-        assert!(long.dwells().len() <= MOST, "{}", long.dwells().len());
+        assert!(long.dwells().len() <= MOST_DWELLS, "{}", long.dwells().len());
     }
 
     #[test]
     fn a_history_of_years_keeps_its_beginning_its_end_and_its_means() {
         let kept = history((0..20_000).map(|k| 0.25 * f64::from(k)));
         let dwells = kept.dwells();
-        assert!(dwells.len() <= MOST && dwells.len() > MOST / 2, "{}", dwells.len());
+        assert!(dwells.len() <= MOST_DWELLS && dwells.len() > MOST_DWELLS / 2, "{}", dwells.len());
         assert_eq!(dwells[dwells.len() - 1].at, at(0.25 * 19_999.0));
         assert!(dwells.is_sorted_by(|one, next| one.at < next.at));
         assert_eq!(kept.counts().iter().sum::<u32>(), 20_000);

@@ -18,7 +18,7 @@ pub const NEWEST: usize = 128;
 pub const MOVING: usize = 1024;
 
 /// Samples that tell how far the readings are apart now.
-const FEW: usize = 4;
+const APART_SAMPLES: usize = 4;
 
 /// Sample of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,8 +180,8 @@ impl History {
     /// Distance of the newest few residuals from zero, m, independent or not; `None` if there are
     /// not so many.
     pub fn apart(&self) -> Option<f64> {
-        let squares = self.all.iter().take(FEW).map(|residual| residual * residual);
-        (self.all.held() >= FEW).then(|| libm::sqrt(squares.sum::<f64>()))
+        let squares = self.all.iter().take(APART_SAMPLES).map(|residual| residual * residual);
+        (self.all.held() >= APART_SAMPLES).then(|| libm::sqrt(squares.sum::<f64>()))
     }
 
     /// The newest residual, and the one `samples` before it, m; `None` if there are not so many.

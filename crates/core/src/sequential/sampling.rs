@@ -11,9 +11,6 @@ use crate::state::whole;
 
 const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 
-/// More cylinders than these are not asked.
-const MOST: usize = 16;
-
 /// Time between the samples of C1 and C2 beyond what the calibration has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
@@ -54,7 +51,7 @@ whole! { Sampling { changed } }
 
 impl Sampling {
     /// Most cylinders that are asked.
-    pub const MOST_CYLINDERS: usize = MOST;
+    pub const MOST_CYLINDERS: usize = 16;
 
     /// The common result of all cylinders, and whether it begins (`true`) or ends to be reportable.
     /// `None` where there are too few cylinders.
@@ -62,7 +59,8 @@ impl Sampling {
         &mut self,
         cylinders: impl Iterator<Item = SamplingEvidence>,
     ) -> Option<(Apart, Option<bool>)> {
-        let (mut evidence, mut count) = ([SamplingEvidence::default(); MOST], 0);
+        let (mut evidence, mut count) =
+            ([SamplingEvidence::default(); Sampling::MOST_CYLINDERS], 0);
         for (place, one) in evidence.iter_mut().zip(cylinders) {
             *place = one;
             count += 1;
@@ -145,8 +143,8 @@ fn surely(evidence: &[SamplingEvidence], which: usize, limit: f64) -> bool {
 fn middle(evidence: &[SamplingEvidence], of: impl Fn(&SamplingEvidence) -> f64) -> f64 {
     // Integers in the order of the numbers, which are compared at once.
     let key = |bits: i64| bits ^ ((bits >> 63) as u64 >> 1) as i64;
-    let mut keys = [0; MOST];
-    for (count, one) in evidence.iter().enumerate().take(MOST) {
+    let mut keys = [0; Sampling::MOST_CYLINDERS];
+    for (count, one) in evidence.iter().enumerate().take(Sampling::MOST_CYLINDERS) {
         let one = key(of(one).to_bits() as i64);
         let mut place = count;
         while place > 0 && keys[place - 1] > one {
@@ -205,7 +203,7 @@ mod tests {
     #[test]
     fn the_middle_is_that_of_those_in_order() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
-        for count in 1..=MOST {
+        for count in 1..=Sampling::MOST_CYLINDERS {
             let evidence: Vec<SamplingEvidence> =
                 (0..count).map(|_| evidence_of(rng.random_range(-1.0..1.0), 0.0)).collect();
             let mut means: Vec<f64> = evidence.iter().map(|one| one.seen[0].mean).collect();

@@ -1,6 +1,6 @@
 //! Trends of a transducer's readings on the stop.
 
-use super::dwell::{Dwell, LEAST};
+use super::dwell::{Dwell, LEAST_DWELLS};
 use super::stops::StopParameters;
 use super::student;
 use alloc::vec::Vec;
@@ -47,7 +47,7 @@ impl Trend {
     /// The least-squares line through the readings `which` of `dwells`, in the order of time.
     /// `None` with fewer than three, and of a transducer that the cylinder does not have.
     pub(super) fn through(dwells: &[Dwell], which: usize) -> Option<Self> {
-        let newest = dwells.last().filter(|_| dwells.len() >= LEAST)?;
+        let newest = dwells.last().filter(|_| dwells.len() >= LEAST_DWELLS)?;
         let readings: Option<Vec<f64>> =
             dwells.iter().map(|it| it.readings.each()[which]).collect();
         let readings = readings?;
@@ -106,12 +106,12 @@ impl Trend {
 
 /// Reading of the first dwells, m: their median, so that one of them may be wrong.
 fn begin(readings: &[f64]) -> f64 {
-    let mut first = [0.0; LEAST];
+    let mut first = [0.0; LEAST_DWELLS];
     for (place, reading) in first.iter_mut().zip(readings) {
         *place = *reading;
     }
     first.sort_unstable_by(f64::total_cmp);
-    first[LEAST / 2]
+    first[LEAST_DWELLS / 2]
 }
 
 #[cfg(test)]

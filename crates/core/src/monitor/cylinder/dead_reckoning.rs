@@ -53,7 +53,7 @@ impl WaySource {
 const WINDOWS: usize = 8;
 
 /// Ticks of the longest one.
-const HELD: usize = 1 << (WINDOWS - 1);
+const LONGEST_WINDOW_TICKS: usize = 1 << (WINDOWS - 1);
 
 /// What a reading has departed by from dead reckoning.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,7 @@ pub struct DeadReckoning {
     way: f64,
     distance: f64,
     /// Distance at the newest ticks, a ring.
-    distances: [f64; HELD],
+    distances: [f64; LONGEST_WINDOW_TICKS],
     /// Part of the way that the rod goes until the next cycle, m.
     ahead: f64,
     next: usize,
@@ -132,7 +132,7 @@ pub struct DeadReckoning {
 state! {
     DeadReckoning { model, courses, way, distance, distances, ahead, next, held, cycles, calm, usual, pace, bias }
     but { parameters, source, sample_time, least, tick, memory, bias_memory, settling }
-    sound |it| it.next < HELD && it.held <= HELD
+    sound |it| it.next < LONGEST_WINDOW_TICKS && it.held <= LONGEST_WINDOW_TICKS
 }
 
 impl DeadReckoning {
@@ -164,7 +164,7 @@ impl DeadReckoning {
             courses: [ReckonedCourse::NONE; 2],
             way: 0.0,
             distance: 0.0,
-            distances: [0.0; HELD],
+            distances: [0.0; LONGEST_WINDOW_TICKS],
             ahead: 0.0,
             next: 0,
             held: 0,
@@ -213,7 +213,7 @@ impl DeadReckoning {
     /// known since, or too little was learnt. Of the last tick itself a jump may be part already, which is known to be none
     /// of a wild reading three cycles later.
     pub fn jump(&self, of: [usize; 2], lengths: [Option<f64>; 2]) -> Option<CourseJump> {
-        let since = (self.next + HELD - 2) % HELD;
+        let since = (self.next + LONGEST_WINDOW_TICKS - 2) % LONGEST_WINDOW_TICKS;
         let way = self.way - self.ahead;
         let error = |i: usize| {
             let ReckonedCourse { origin, errors, .. } = &self.courses[i];
@@ -250,7 +250,7 @@ impl DeadReckoning {
             // Windows that overlap are no lessons of their own.
             let is_lesson =
                 is_judged && self.calm as usize > ticks && self.next.is_multiple_of(ticks);
-            let since = (self.next + HELD - ticks) % HELD;
+            let since = (self.next + LONGEST_WINDOW_TICKS - ticks) % LONGEST_WINDOW_TICKS;
             let error = common(of.map(|i| self.courses[i].error - self.courses[i].errors[since]));
             // Nearly always it is far below any limit.
             let is_small = !is_judged || error.abs() <= 0.5 * self.least;
@@ -275,7 +275,7 @@ impl DeadReckoning {
             }
         }
         if self.calm > 1 && self.held > 0 {
-            let before = (self.next + HELD - 1) % HELD;
+            let before = (self.next + LONGEST_WINDOW_TICKS - 1) % LONGEST_WINDOW_TICKS;
             self.pace.add(self.distance - self.distances[before], self.memory);
         }
         self.courses.iter_mut().for_each(|course| course.beyond = [0; 2]);
@@ -301,8 +301,8 @@ impl DeadReckoning {
             course.errors[self.next] = course.error;
         }
         self.distances[self.next] = self.distance;
-        self.next = (self.next + 1) % HELD;
-        self.held = (self.held + 1).min(HELD);
+        self.next = (self.next + 1) % LONGEST_WINDOW_TICKS;
+        self.held = (self.held + 1).min(LONGEST_WINDOW_TICKS);
     }
 }
 

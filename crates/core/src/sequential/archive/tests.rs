@@ -1,5 +1,5 @@
 use super::*;
-use crate::sequential::history::MOST;
+use crate::sequential::history::MOST_DWELLS;
 
 /// Six cylinders, most of which have dwelt, with readings of all digits.
 fn archive() -> Archive {
@@ -47,9 +47,9 @@ fn the_longest_history_fits() {
             at: Timestamp::from_nanos(i64::MIN + k),
             readings: StopReadings::both([-1.234_567_890_123_456_7e-300; 2]),
         };
-        let dwells = (0..MOST as i64).map(dwell).collect();
+        let dwells = (0..MOST_DWELLS as i64).map(dwell).collect();
         let gauging = Gauging { count: 1.0 / 3.0, corrected: Some([-1.0 / 3.0; 2]) };
-        let restored = DwellHistory::restore(dwells, vec![u32::MAX; MOST], gauging);
+        let restored = DwellHistory::restore(dwells, vec![u32::MAX; MOST_DWELLS], gauging);
         *history = restored.expect("a history");
     }
     let text = archive.to_text();
@@ -166,7 +166,7 @@ fn what_the_first_version_kept_is_read() {
     );
     let read = parse(&sealed(&(text.clone() + "crc32"))).expect("an archive");
     let history = &read.cylinders[0];
-    assert!(history.dwells().len() <= MOST && history.dwells().len() > MOST / 2);
+    assert!(history.dwells().len() <= MOST_DWELLS && history.dwells().len() > MOST_DWELLS / 2);
     assert_eq!(history.counts().iter().sum::<u32>(), 300, "they are put together");
     assert_eq!(history.gauging(), &Gauging::default());
     // It is kept as the newest version has it.

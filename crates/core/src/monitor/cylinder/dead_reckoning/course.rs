@@ -1,6 +1,6 @@
 //! What one transducer is off by against dead reckoning.
 
-use super::HELD;
+use super::LONGEST_WINDOW_TICKS;
 use crate::state::state;
 
 /// The readings of one transducer less dead reckoning.
@@ -11,7 +11,7 @@ pub struct ReckonedCourse {
     /// Error of dead reckoning so far, m.
     pub error: f64,
     /// The same at the newest ticks, a ring.
-    pub errors: [f64; HELD],
+    pub errors: [f64; LONGEST_WINDOW_TICKS],
     /// Windows, one bit each, in which the error was beyond its limit at the newest tick: to either side.
     pub beyond: [u8; 2],
 }
@@ -19,7 +19,8 @@ pub struct ReckonedCourse {
 state! { ReckonedCourse { origin, error, errors, beyond } }
 
 impl ReckonedCourse {
-    pub const NONE: Self = Self { origin: None, error: 0.0, errors: [0.0; HELD], beyond: [0; 2] };
+    pub const NONE: Self =
+        Self { origin: None, error: 0.0, errors: [0.0; LONGEST_WINDOW_TICKS], beyond: [0; 2] };
 
     /// Takes the reading of a tick after this `way`, m; the first one of a stretch adds no error. Returns whether it goes on.
     pub fn follow(&mut self, reading: Option<f64>, way: f64) -> bool {
