@@ -3,9 +3,8 @@
 //! Transducers that warm as the sun comes out, or whose common supply sags, drift within minutes of each other. Six incidents
 //! of six cylinders sent people to twelve sound transducers.
 
+use super::cause::Cause;
 use super::joining::Open;
-use super::shared::Cause;
-use super::tracker::Incidents;
 use crate::alarm::detector::{DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Warning};
 use crate::verdict::{Fault, Suspect};
@@ -18,7 +17,7 @@ pub(super) fn is_of_drift(warning: &Warning) -> bool {
 
 impl Open {
     /// Whether it is a slow difference that stands, and nothing else.
-    fn is_drift(&self) -> bool {
+    pub fn is_drift(&self) -> bool {
         const SEES: [WarningPlace; 2] = [WarningPlace::Sequential, WarningPlace::Fde3];
         let seen = self.incident.part(WarningPlace::Sequential);
         let mut parts = DETECTORS.iter().zip(&self.incident.parts);
@@ -32,26 +31,5 @@ impl Open {
             && is_only
             && seen.is_some_and(|part| part.stands && !part.finding.is_of_stop())
             && shared.is_none_or(|it| it == Cause::Drift)
-    }
-}
-
-impl Incidents {
-    /// Takes the drifts of most cylinders for the machine's, and each further one while they stand.
-    pub(super) fn gather_drifts(&mut self) {
-        let has_drift = |open: &[Option<Open>]| open.iter().flatten().any(Open::is_drift);
-        let count = self.each_open().filter(|open| has_drift(open)).count();
-        let goes_on = self.has_shared(Cause::Drift);
-        if !goes_on && !self.are_most(count) {
-            return;
-        }
-        for open in self.all_open() {
-            if open.is_drift() {
-                open.shared = Some(Cause::Drift);
-            } else if open.shared == Some(Cause::Drift) && open.incident.stands() {
-                // A suspect was named, or another detector has found more: that is the cylinder's own.
-                open.shared = None;
-            }
-        }
-        self.share();
     }
 }

@@ -5,6 +5,7 @@
 
 use super::{Incident, IncidentParameters, Naming, Part};
 use crate::alarm::detector::WarningPlace;
+use crate::blame::Rule;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
@@ -64,8 +65,18 @@ impl Incident {
         if swapped { [second, first] } else { [first, second] }
     }
 
+    /// The detector that named the suspect; `None` while it is undecided.
+    pub fn namer(&self) -> Option<WarningPlace> {
+        self.naming_part().map(|(place, _)| place)
+    }
+
+    /// The rule by which that detector has named it; `None` while it is undecided.
+    pub fn rule(&self) -> Option<Rule> {
+        self.part(self.namer()?).map(|part| part.finding.rule)
+    }
+
     /// The detector that is listened to, and whom it suspects; `None` while none has decided.
-    pub(super) fn naming_part(&self) -> Option<(WarningPlace, Suspect)> {
+    fn naming_part(&self) -> Option<(WarningPlace, Suspect)> {
         let places = FACTS.into_iter().chain(BEFORE_OBSERVERS).chain(self.observers());
         let mut suspects =
             places.filter_map(|place| Some((place, self.part(place)?.finding.suspect)));

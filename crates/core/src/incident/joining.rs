@@ -5,8 +5,8 @@
 //! one transducer reaches the other observer through the machine's controller. A fault of the
 //! hydraulics, a command that does not come and readings that have parted are never one incident.
 
+use super::cause::Cause;
 use super::news::Reported;
-use super::shared::Cause;
 use super::{Ending, EventTiming, Incident, IncidentParameters, Progress, Quantities, Quantity};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Finding, Warning};
@@ -170,6 +170,16 @@ impl Open {
     /// Whether it was reported.
     pub const fn is_reported(&self) -> bool {
         self.reported.is_some()
+    }
+
+    /// The incident as it is reported at `at`, if there is news.
+    pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
+        let now = Reported::of(&self.incident);
+        let since = at.since(self.incident.timestamp);
+        let progress = now.progress(self.reported.as_ref(), since)?;
+        self.reported = Some(now);
+        (self.incident.progress, self.incident.timestamp) = (progress, at);
+        Some(&self.incident)
     }
 
     /// How it ended, if no warning stands any more.

@@ -8,6 +8,7 @@
 //! the machine (`shared`).
 
 mod adding;
+mod cause;
 mod drifting;
 mod fusing;
 mod joining;
@@ -21,7 +22,6 @@ mod tracker;
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Finding, Level};
-use crate::blame::Rule;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
@@ -251,16 +251,6 @@ impl Incident {
     /// of its limit, 0 where nothing was compared.
     pub fn severity(&self) -> (bool, f64) {
         (self.trips(), self.worst().map_or(0.0, |(quantity, _)| self.share(quantity)))
-    }
-
-    /// The detector that named the suspect; `None` while it is undecided.
-    pub fn namer(&self) -> Option<WarningPlace> {
-        self.naming_part().map(|(place, _)| place)
-    }
-
-    /// The rule by which that detector has named it; `None` while it is undecided.
-    pub fn rule(&self) -> Option<Rule> {
-        self.part(self.namer()?).map(|part| part.finding.rule)
     }
 
     fn trips(&self) -> bool {

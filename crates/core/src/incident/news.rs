@@ -3,12 +3,11 @@
 //! Whom to suspect, what it is and its level are news at once. That it has grown, or that a further detector agrees, is
 //! news after [`IncidentParameters::pause`], so that a person sees no size of minutes ago and a log does not fill with a drift.
 
-use super::joining::Open;
 use super::{Incident, IncidentParameters, Progress};
 use crate::alarm::Level;
 use crate::alarm::detector::PLACES;
 use crate::state::whole;
-use crate::time::{Span, Timestamp};
+use crate::time::Span;
 use crate::verdict::{Fault, Suspect};
 
 const P: &IncidentParameters = &IncidentParameters::DEFAULT;
@@ -29,7 +28,7 @@ pub(super) struct Reported {
 whole! { Reported { suspect, fault, has_gain, has_size, level, raised, share } }
 
 impl Reported {
-    fn of(incident: &Incident) -> Self {
+    pub fn of(incident: &Incident) -> Self {
         let Incident { suspect, fault, gain, level, parts, .. } = incident;
         Self {
             suspect: *suspect,
@@ -51,24 +50,12 @@ impl Reported {
     fn is_more(&self, before: &Self) -> bool {
         self.raised != before.raised || self.share > P.growth * before.share.max(P.small)
     }
-}
-
-impl Open {
-    /// The incident as it is reported at `at`, if there is news.
-    pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
-        let now = Reported::of(&self.incident);
+    /// What is new of the incident, of which `before` was reported `since` then; `None` if nothing is.
+    pub fn progress(&self, before: Option<&Self>, since: Span) -> Option<Progress> {
+        let Some(before) = before else { return Some(Progress::Opened) };
         // A clock that was set back does not keep it waiting.
-        let pause = Span::from_seconds(P.pause);
-        let is_due = !(Span::ZERO..pause).contains(&at.since(self.incident.timestamp));
-        let progress = match &self.reported {
-            None => Progress::Opened,
-            Some(before) if now.differs(before) || is_due && now.is_more(before) => {
-                Progress::Revised
-            }
-            Some(_) => return None,
-        };
-        self.reported = Some(now);
-        (self.incident.progress, self.incident.timestamp) = (progress, at);
-        Some(&self.incident)
+        let is_due = !(Span::ZERO..Span::from_seconds(P.pause)).contains(&since);
+        let is_news = self.differs(before) || is_due && self.is_more(before);
+        is_news.then_some(Progress::Revised)
     }
 }

@@ -5,42 +5,14 @@
 //! of the machine, which sums them up and suspects no transducer. A member with which one cylinder is left, when the others
 //! have recovered, is that cylinder's own again.
 
+use super::cause::Cause;
 use super::joining::Open;
 use super::{Cylinders, Ending, Incident, Outset, Part, Progress, QUANTITIES, Scope};
+use crate::alarm::Level;
 use crate::alarm::detector::{PLACES, WarningPlace};
-use crate::alarm::{Detector, Level, Warning};
-use crate::state::{choice, whole};
+use crate::state::whole;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
-
-/// Why an incident is the machine's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cause {
-    /// The supply of all cylinders falls short.
-    Supply,
-    /// Most cylinders showed something in one moment: the bus, the Sync or the controller is what they have in common.
-    Moment,
-    /// Most cylinders differ slowly at the same time: the temperature, or a supply, is what their transducers have in common.
-    Drift,
-}
-
-choice! { Cause { Supply, Moment, Drift } }
-
-impl Cause {
-    pub const ALL: [Self; 3] = [Self::Supply, Self::Moment, Self::Drift];
-}
-
-/// Whether a warning is of the supply, which is the machine's.
-pub(super) fn is_of_supply(warning: &Warning) -> bool {
-    warning.detector == Detector::Process && warning.finding.fault == Fault::Supply
-}
-
-/// Whether `warning` can belong to an incident that is `shared`: what a process detector has found of the supply is
-/// the machine's, and nothing else that it has found is.
-pub(super) fn fits(shared: Option<Cause>, warning: &Warning) -> bool {
-    let is_supply = shared == Some(Cause::Supply);
-    warning.detector != Detector::Process || is_of_supply(warning) == is_supply
-}
 
 /// What an incident of the machine says that is news to a person when it changes.
 type Said = (Cylinders, Fault, bool, Level);

@@ -1,8 +1,9 @@
 //! The incidents that are not closed, of all cylinders.
 
+use super::cause::{Cause, fits, is_of_supply};
 use super::drifting::is_of_drift;
 use super::joining::Open;
-use super::shared::{Cause, Shared, fits, is_of_supply};
+use super::shared::Shared;
 use super::{
     Ending, EventTiming, Incident, IncidentParameters, Progress, QUANTITIES, Quantities, Quantity,
     Scope,
@@ -122,27 +123,17 @@ impl Incidents {
         }
     }
 
-    /// The open incidents of each cylinder.
-    pub(super) fn each_open(&self) -> impl Iterator<Item = &[Option<Open>]> {
-        self.cylinders.iter().map(|it| &it.open[..])
-    }
-
-    pub(super) fn all_open(&mut self) -> impl Iterator<Item = &mut Open> {
+    fn all_open(&mut self) -> impl Iterator<Item = &mut Open> {
         self.cylinders.iter_mut().flat_map(|it| it.open.iter_mut().flatten())
     }
 
     /// Whether there is an incident of the machine for this cause.
-    pub(super) const fn has_shared(&self, cause: Cause) -> bool {
+    const fn has_shared(&self, cause: Cause) -> bool {
         self.shared[cause as usize].is_some()
     }
 
-    /// Notes that an incident of a cylinder belongs to one of the machine.
-    pub(super) const fn share(&mut self) {
-        self.shares = true;
-    }
-
     /// Whether so many cylinders are most of them.
-    pub(super) fn are_most(&self, count: usize) -> bool {
+    fn are_most(&self, count: usize) -> bool {
         count >= P.least && count as f64 > P.most * self.cylinders.len() as f64
     }
 
@@ -165,6 +156,25 @@ impl Incidents {
             let fresh = self.all_open().filter(|it| is_fresh(it));
             fresh.for_each(|open| open.shared = Some(Cause::Moment));
         }
+    }
+
+    /// Takes the drifts of most cylinders for the machine's, and each further one while they stand.
+    fn gather_drifts(&mut self) {
+        let has_drift = |it: &&OfCylinder| it.open.iter().flatten().any(Open::is_drift);
+        let count = self.cylinders.iter().filter(has_drift).count();
+        let goes_on = self.has_shared(Cause::Drift);
+        if !goes_on && !self.are_most(count) {
+            return;
+        }
+        for open in self.all_open() {
+            if open.is_drift() {
+                open.shared = Some(Cause::Drift);
+            } else if open.shared == Some(Cause::Drift) && open.incident.stands() {
+                // A suspect was named, or another detector has found more: that is the cylinder's own.
+                open.shared = None;
+            }
+        }
+        self.shares = true;
     }
 
     /// Takes the cycle of the cylinder of `index` (from 0) that opened at `opened` and was evaluated at `at`,
