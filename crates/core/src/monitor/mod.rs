@@ -7,9 +7,12 @@
 
 mod accounts;
 mod counts;
+mod cycles;
 pub mod cylinder;
 mod estimates;
+mod evaluating;
 mod explaining;
+mod filling;
 mod frames;
 pub mod gate;
 mod implausible;
@@ -24,24 +27,22 @@ pub mod sink;
 pub mod subscriptions;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
-use crate::alarm::{Detector, Encoder, Register};
-use crate::error_frame::ErrorFrame;
-use crate::frame::{Buses, Frame, Kind};
+use crate::alarm::{Encoder, Register};
+use crate::frame::Buses;
 use crate::hexapod::{Tilt, TiltDesign};
 use crate::incident::Incidents;
 use crate::process::{SupplyDesign, SupplyWatch};
-use crate::sample::cycle::{CycleClock, CycleTiming, Due, Opener};
+use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sample::sync_watch::SyncWatch;
 use crate::sequential::Sampling;
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use alloc::{boxed::Box, vec::Vec};
 pub use counts::Counts;
-use cylinder::{Cycle, Cylinder, CylinderDesign, Evaluation};
+use cylinder::{Cylinder, CylinderDesign};
 pub use estimates::Estimates;
 pub use explaining::{Answer, Explained, Explanation};
-use gate::{Gate, Opening};
+use gate::Gate;
 use page::Station;
-use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use saved::{DesignChecksum, MAX_STATE, SavedState, StateRefusal};
 use silence::Silence;
 pub use sink::{Notice, Record, Sink};
@@ -121,7 +122,7 @@ pub struct Monitor {
 impl Monitor {
     pub fn new(design: MonitorDesign) -> Self {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
-        let silence = Silence::of(&design);
+        let silence = Silence::of(&design.subscriptions, design.gap_cycles);
         let of_incidents = |it: &CylinderDesign| (it.limits(), it.event_timing());
         let sample_time = design.timing.sample_time;
         let incidents = Incidents::new(design.cylinders.iter().map(of_incidents), sample_time);
@@ -167,196 +168,9 @@ impl Monitor {
     pub fn platform(&self) -> Option<i64> {
         self.gate.number(self.last?)
     }
-
-    /// Takes a frame from the bus. A frame whose time stamp is earlier than that of a previous
-    /// frame, by less than a cycle, is taken now, but classified by its time stamp.
-    // Of the loop that calls it, where there is more than one for a sink, too: a call costs 15 instructions a frame.
-    #[inline(always)]
-    pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {
-        let place = match frame.kind {
-            Kind::Data | Kind::Fd { .. } => self.subscriptions.find(frame.bus, frame.id),
-            Kind::Remote { .. } => None,
-            Kind::Error => {
-                self.counts.errors += 1;
-                if ErrorFrame::read(frame).is_some_and(|error| error.is_bus_off()) {
-                    self.interrupt_bus(frame.bus, frame.timestamp, sink);
-                }
-                None
-            }
-        };
-        let Some(place) = place else {
-            self.counts.ignored += 1;
-            return;
-        };
-        self.counts.used += 1;
-        let now = self.follow_time(frame.timestamp, sink);
-        if !self.take_next(place, now, frame, sink) {
-            self.sort(place, now, frame, sink);
-        }
-    }
-
-    /// Advances time to `now`; every frame before it must have been taken. A clock that was set
-    /// back or far ahead is reported as a time jump, since on a quiet bus no frame would reveal it.
-    pub fn advance(&mut self, now: Timestamp, sink: &mut impl Sink) {
-        let Some(last) = self.last else { return };
-        let step = now.since(last);
-        if step < SMALLEST_SETBACK || step > LARGEST_PAUSE {
-            return self.jump(now, step, sink);
-        }
-        if step <= Span::ZERO {
-            return;
-        }
-        if self.next_due < now {
-            self.do_due(now, sink);
-        }
-        self.last = Some(now);
-    }
-
-    /// Closes the open cycle at its deadline, because no frame follows, and reports the incidents that are not
-    /// over.
-    pub fn finish(&mut self, sink: &mut impl Sink) {
-        if let Some(Due::Close(at)) = self.clock.due() {
-            self.close_cycle(at, sink);
-        }
-        self.drop_set_aside();
-        if let Some(last) = self.last {
-            self.incidents.finish(last, |incident| sink.incident(incident));
-        }
-    }
-
-    /// Takes any frame of the message at `place`.
-    #[inline(never)]
-    fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        if self.take_unasked(place, now, frame, sink) {
-            return;
-        }
-        if self.stations[place].is_sync() {
-            self.synchronise(frame.timestamp, now, sink);
-        }
-        for index in 0..self.stations[place].pages.len() {
-            let page = &self.stations[place].pages[index];
-            match page.is_in(frame) {
-                Some(true) if page.cyclic => self.admit((place, index), now, frame, sink),
-                Some(true) => self.fill((place, index), now, frame, sink),
-                Some(false) => {}
-                None => self.counts.bad_signals += 1,
-            }
-        }
-    }
-
-    /// Opens a cycle with a frame of the kind `opener` that has the time stamp `stamp`.
-    fn open_cycle(
-        &mut self,
-        stamp: Timestamp,
-        now: Timestamp,
-        opener: Opener,
-        sink: &mut impl Sink,
-    ) {
-        if self.clock.is_open() {
-            self.close_cycle(now, sink);
-        }
-        self.drop_set_aside();
-        for _ in 0..self.clock.missing_before(stamp, opener) {
-            self.miss_cycle(now, sink);
-        }
-        if self.missing_run > self.gap_cycles {
-            let sample_time = self.clock.sample_time().as_nanos();
-            let length = Span::from_nanos(sample_time.saturating_mul(self.missing_run as i64));
-            sink.notice(&Notice::Gap { at: now, length });
-            self.tilt.iter_mut().for_each(|tilt| tilt.lose());
-        }
-        self.missing_run = 0;
-        self.clock.open(stamp, opener);
-        self.counts.cycles += 1;
-        self.pending = self.cylinders.len();
-        self.incomplete = false;
-        self.cylinders.iter_mut().for_each(Cylinder::open);
-        self.reckon_due();
-        self.take_newest(stamp, now, sink);
-        if self.keeps {
-            self.take_held(now, sink);
-        }
-    }
-
-    /// Evaluates the cylinders that the open cycle has left.
-    fn close_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        if self.keeps {
-            self.take_waiting(at, sink);
-        }
-        let lacks = |cylinder: &Cylinder| cylinder.pending && !cylinder.is_complete();
-        self.incomplete |= self.pending > 0 && self.cylinders.iter().any(lacks);
-        for index in 0..self.cylinders.len() {
-            if self.pending > 0 && self.cylinders[index].pending {
-                self.evaluate(index, at, sink);
-            }
-        }
-        self.counts.incomplete += u64::from(self.incomplete);
-        self.follow_sampling(at, sink);
-        if self.has_process {
-            self.follow_supply(at);
-        }
-        self.follow_tilt(at);
-        self.report_machine(at, sink);
-        self.clock.close();
-        self.follow_silence(at, sink);
-    }
-
-    /// Handles a cycle that did not open: the observers predict over it.
-    fn miss_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        self.drop_set_aside();
-        self.clock.skip(1);
-        self.counts.missing += 1;
-        self.missing_run += 1;
-        self.lose_supply();
-        // Beyond that the observers stand still and nothing is judged any more.
-        if !self.heard.is_empty() || self.missing_run <= self.gap_cycles + 1 {
-            for index in 0..self.cylinders.len() {
-                self.evaluate(index, at, sink);
-            }
-        }
-        self.report_machine(at, sink);
-        self.follow_silence(at, sink);
-    }
-
-    fn evaluate(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
-        let cylinder = &mut self.cylinders[index];
-        self.pending -= usize::from(cylinder.pending);
-        let (gate, at_stop) = self.gate.look(at);
-        let now = Evaluation {
-            at,
-            cycle: self.clock.number(),
-            opened: self.clock.opened().unwrap_or(at),
-            heard: self.heard,
-            gate,
-            at_stop,
-        };
-        self.opened_once |= now.gate == Opening::Open;
-        let number = index as u8 + 1;
-        let mut cycle = Cycle::new(now);
-        cylinder.evaluate(&mut cycle, |transducer, reason| {
-            let detector = [Detector::Fde1, Detector::Fde2][transducer as usize];
-            sink.notice(&Notice::Restart { at, cylinder: number, detector, reason });
-        });
-        if sink.wants_records() {
-            sink.record(&cylinder.record(&cycle));
-        }
-        cylinder.inputs.clear();
-        self.report_devices(index, at, sink);
-        if self.cylinders[index].readings.has_unnamed() {
-            self.report_status_bits(index, at, sink);
-        }
-        if let Some(dwell) = self.cylinders[index].take_dwell() {
-            sink.dwell(number, &dwell);
-            self.judge_stops(at);
-        }
-        if self.cylinders[index].is_busy() || self.register.any(index) {
-            self.report(index, now, sink);
-        }
-        if let Some(estimate) = self.cylinders[index].estimated() {
-            sink.estimate(now.opened, number, estimate);
-            if self.sends_estimates {
-                sink.transmit(&self.encoder.estimate(at, number, estimate));
-            }
-        }
+    fn reckon_due(&mut self) {
+        let cycle = self.clock.due().map(Due::at);
+        let times = [cycle, self.register.due()].into_iter().flatten();
+        self.next_due = times.fold(self.next_status, Timestamp::min);
     }
 }

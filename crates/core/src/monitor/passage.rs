@@ -11,13 +11,30 @@ use crate::time::{Span, Timestamp};
 
 /// Largest forward leap of time stamps that counts as a quiet bus; a larger one means that the
 /// clock was set.
-pub(super) const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
+const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
 
 /// Smallest backward leap of the clock, from the newest frame, that counts as the clock being set.
 /// A smaller one is the guard time behind the frames.
-pub(super) const SMALLEST_SETBACK: Span = Span::from_nanos(-1_000_000_000);
+const SMALLEST_SETBACK: Span = Span::from_nanos(-1_000_000_000);
 
 impl Monitor {
+    /// Advances time to `now`; every frame before it must have been taken. A clock that was set
+    /// back or far ahead is reported as a time jump, since on a quiet bus no frame would reveal it.
+    pub fn advance(&mut self, now: Timestamp, sink: &mut impl Sink) {
+        let Some(last) = self.last else { return };
+        let step = now.since(last);
+        if step < SMALLEST_SETBACK || step > LARGEST_PAUSE {
+            return self.jump(now, step, sink);
+        }
+        if step <= Span::ZERO {
+            return;
+        }
+        if self.next_due < now {
+            self.do_due(now, sink);
+        }
+        self.last = Some(now);
+    }
+
     /// Advances time to `stamp`, and returns the time at which a frame with it is taken: the newest
     /// time, if the frame is out of order.
     #[inline]
@@ -58,13 +75,13 @@ impl Monitor {
         stamp
     }
 
-    pub(super) fn begin(&mut self, at: Timestamp) {
+    fn begin(&mut self, at: Timestamp) {
         self.last = Some(at);
         self.next_status = at.after(STATUS_PERIOD);
         self.reckon_due();
     }
 
-    pub(super) fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
+    fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
         self.counts.time_jumps += 1;
         sink.notice(&Notice::TimeJump { at, by });
         // Its times are of the clock before.
@@ -141,37 +158,9 @@ impl Monitor {
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason, last));
     }
 
-    pub(super) fn reckon_due(&mut self) {
-        let cycle = self.clock.due().map(Due::at);
-        let times = [cycle, self.register.due()].into_iter().flatten();
-        self.next_due = times.fold(self.next_status, Timestamp::min);
-    }
-
-    /// Handles the cycle due at `at`, which did not open. Once nothing is predicted any more, a
-    /// missing cycle changes nothing but its number, so all that are due before `now` are one step.
-    fn miss_cycles(&mut self, at: Timestamp, now: Timestamp, sink: &mut impl Sink) {
-        if !self.heard.is_empty() || self.missing_run <= self.gap_cycles {
-            return self.miss_cycle(at, sink);
-        }
-        let count = self.clock.missing_until(now);
-        self.drop_set_aside();
-        self.clock.skip(count);
-        self.counts.missing += count;
-        self.missing_run += count;
-        self.lose_supply();
-    }
-
-    /// Takes the buses that were heard in a cycle that ends at `at`, and reports silence.
-    pub(super) fn follow_silence(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        let heard = core::mem::take(&mut self.heard);
-        if let Some(silence) = &mut self.silence {
-            silence.follow(heard, |bus, silent| sink.notice(&Notice::Silence { at, bus, silent }));
-        }
-    }
-
     /// Does everything that falls due before `now`, in the order of time.
     #[cold]
-    pub(super) fn do_due(&mut self, now: Timestamp, sink: &mut impl Sink) {
+    fn do_due(&mut self, now: Timestamp, sink: &mut impl Sink) {
         while self.next_due < now {
             let at = self.next_due;
             match self.clock.due() {
@@ -184,6 +173,17 @@ impl Monitor {
                 _ => self.send_status(at, sink),
             }
             self.reckon_due();
+        }
+    }
+    /// Closes the open cycle at its deadline, because no frame follows, and reports the incidents that are not
+    /// over.
+    pub fn finish(&mut self, sink: &mut impl Sink) {
+        if let Some(Due::Close(at)) = self.clock.due() {
+            self.close_cycle(at, sink);
+        }
+        self.drop_set_aside();
+        if let Some(last) = self.last {
+            self.incidents.finish(last, |incident| sink.incident(incident));
         }
     }
 }

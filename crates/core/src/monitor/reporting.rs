@@ -106,6 +106,18 @@ impl Monitor {
         self.encoder.status(at, &status)
     }
 
+    /// Reports what the devices of the cylinder of `index` have sent that is no fault.
+    #[inline(always)]
+    pub(super) fn report_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        if !self.cylinders[index].readings.has_devices() {
+            return;
+        }
+        let cylinder = index as u8 + 1;
+        self.cylinders[index].readings.take_news(|role, node, news| {
+            sink.notice(&Notice::Device { at, cylinder, role, node, news });
+        });
+    }
+
     /// Reports bits that the status of a transducer of the cylinder of `index` has, and that mean nothing here.
     #[cold]
     pub(super) fn report_status_bits(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
@@ -116,8 +128,9 @@ impl Monitor {
         }
     }
 
-    /// What frames of C1 and of C2 of each cylinder lack of their configuration, now or within the last 50 cycles: they are
-    /// too short, which comes first, or their alive counter does not count.
+    /// What frames of C1 and of C2 of each cylinder lack of their configuration, now or as long ago as they are in doubt
+    /// ([`crate::sample::parameters::ArrivalParameters::doubted`]): they are too short, which comes first, or their alive counter
+    /// does not count.
     pub fn lacking(&self) -> [[Option<Doubt>; 2]; MAX_CYLINDERS] {
         let cycle = self.clock.number();
         let mut lacking = [[None; 2]; MAX_CYLINDERS];

@@ -1,6 +1,6 @@
 //! Buses that are silent while another one of the same machine is heard.
 
-use super::MonitorDesign;
+use super::subscriptions::Subscriptions;
 use crate::frame::{BusNumber, Buses};
 use crate::state::state;
 
@@ -24,12 +24,12 @@ state! {
 
 impl Silence {
     /// `None` if the machine has a single bus.
-    pub fn of(design: &MonitorDesign) -> Option<Self> {
-        let cyclic = design.subscriptions.all().iter().filter(|message| message.cyclic);
+    pub fn of(subscriptions: &Subscriptions, patience: u64) -> Option<Self> {
+        let cyclic = subscriptions.all().iter().filter(|message| message.cyclic);
         let expected: Buses = cyclic.map(|message| message.bus).collect();
         (expected.iter().count() > 1).then(|| Self {
             expected,
-            patience: design.gap_cycles,
+            patience,
             cycles: Default::default(),
             reported: Buses::NONE,
         })
