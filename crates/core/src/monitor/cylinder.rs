@@ -1,19 +1,24 @@
 //! The monitor of one cylinder: from the inputs of a cycle to the findings of its detectors.
 
 mod account;
+mod accounting;
+mod attitude;
 mod blanks;
 mod command;
 mod cycle;
 mod dead_reckoning;
 mod design;
 mod devices;
+mod estimated;
 mod estimating;
+mod evaluating;
 mod fde;
 mod findings;
 mod judging;
 mod last;
 mod losing;
 mod readings;
+mod reckoning;
 mod recording;
 mod stopped;
 mod tally;
@@ -23,10 +28,9 @@ mod trip;
 use crate::blame::BlameMemory;
 use crate::decode::Value;
 use crate::incident::Quantities;
-use crate::observe::observer::{Measurement, Restart};
 use crate::process::Process;
-use crate::sample::{Awaited, DeviceRole, Field, Inputs, Transducer};
-use crate::sequential::{DwellHistory, Sequential};
+use crate::sample::{Awaited, Field, Inputs, Transducer};
+use crate::sequential::{Dwell, DwellHistory, Sequential};
 use crate::state::state;
 use account::Account;
 use alloc::boxed::Box;
@@ -36,17 +40,15 @@ pub use cycle::{Cycle, Evaluation};
 use dead_reckoning::DeadReckoning;
 pub use dead_reckoning::{ReckoningParameters, WaySource};
 pub use design::CylinderDesign;
-use estimating::EstimatedLength;
+use estimated::EstimatedLength;
 use fde::Fde;
 use last::LastOne;
 pub use last::LastParameters;
-use readings::{CheckContext, Readings};
+use readings::Readings;
 use stopped::OnStop;
 pub use tally::Tally;
 use tilted::Tilted;
 use trip::Trip;
-
-const TRANSDUCERS: [Transducer; 2] = Transducer::ALL;
 
 /// The monitor of one cylinder.
 #[derive(Clone, Debug)]
@@ -98,7 +100,7 @@ state! {
 
 impl Cylinder {
     pub fn new(design: CylinderDesign) -> Self {
-        let mut cylinder = Self {
+        Self {
             inputs: Inputs::default(),
             pending: false,
             awaited: Awaited::new(design.required, design.awaited),
@@ -109,7 +111,7 @@ impl Cylinder {
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),
             supply_is_odd: false,
-            on_stop: OnStop::of(design.sequential.is_some(), design.has(Transducer::C2)),
+            on_stop: OnStop::of(&design),
             tilted: None,
             last: LastOne::default(),
             reckoning: DeadReckoning::of(&design).map(Box::new),
@@ -125,9 +127,7 @@ impl Cylinder {
             is_watched: false,
             quantities: Quantities::default(),
             design,
-        };
-        cylinder.restore(&DwellHistory::default());
-        cylinder
+        }
     }
 
     pub const fn tally(&self) -> &Tally {
@@ -152,6 +152,23 @@ impl Cylinder {
     /// The same, to take what was found of the machine's supply.
     pub(super) fn process_mut(&mut self) -> Option<&mut Process> {
         self.process.as_deref_mut()
+    }
+
+    /// Reading on the stop in the newest cycle, returned once.
+    pub fn take_dwell(&mut self) -> Option<Dwell> {
+        self.on_stop.as_mut()?.take_dwell()
+    }
+
+    /// Cylinder number and readings on the stop so far, if they are kept.
+    pub fn dwells(&self) -> Option<(u8, &DwellHistory)> {
+        Some((self.design.number, self.on_stop.as_ref()?.history()))
+    }
+
+    /// Restores the dwells of an earlier monitor, if the cylinder keeps any.
+    pub fn restore(&mut self, dwells: &DwellHistory) {
+        if let Some(on_stop) = &mut self.on_stop {
+            on_stop.restore(dwells, &self.design);
+        }
     }
 
     pub fn count_anew(&mut self) {
@@ -207,7 +224,7 @@ impl Cylinder {
 
     /// Whether every configured transducer was judged by its observer in the newest cycle.
     pub fn judges(&self) -> bool {
-        TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.account.judged[t as usize])
+        Transducer::ALL.into_iter().all(|t| !self.has(t) || self.account.judged[t as usize])
     }
 
     /// Opens a cycle.
@@ -216,122 +233,5 @@ impl Cylinder {
         self.pending = true;
         let kept = self.awaited.turn(self.inputs.got());
         self.inputs.clear_except(kept);
-    }
-
-    /// Evaluates the cycle; its inputs must be cleared afterwards. `restarted` is called for
-    /// observers that restart.
-    pub fn evaluate(&mut self, cycle: &mut Cycle, restarted: impl FnMut(Transducer, Restart)) {
-        self.pending = false;
-        self.awaited.take(self.inputs.got());
-        self.read(cycle);
-        self.observe(cycle, restarted);
-        self.detect(cycle);
-        self.follow_standing();
-        let finds = self.judge_last(cycle);
-        if self.estimated.is_some() {
-            self.estimate(cycle);
-        }
-        self.account(cycle, finds);
-    }
-
-    /// Takes the inputs of a cycle: which readings are good, and how the command moves the rod.
-    #[inline(always)]
-    fn read(&mut self, cycle: &mut Cycle) {
-        let now = cycle.now;
-        cycle.command = self.inputs.command_value().map(|u| u - self.design.command_offset);
-        cycle.readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
-        self.readings.take(&now, &self.design, &cycle.readings);
-        self.check::<0>(cycle);
-        self.check::<1>(cycle);
-        self.length = cycle.length();
-        let is_heard = now.heard.has(self.design.buses[DeviceRole::Valve as usize]);
-        let quality = self.command.follow(cycle.command, is_heard, &self.design);
-        self.readings.check_command(quality, now.at);
-        cycle.is_odd |= self.readings.is_implausible(DeviceRole::Valve as usize);
-    }
-
-    /// Checks the reading of transducer `I`, see [`Fde::observe`].
-    #[inline(always)]
-    fn check<const I: usize>(&mut self, cycle: &mut Cycle) {
-        if !self.has(TRANSDUCERS[I]) {
-            // The only reading that is left is supervised in every cycle.
-            cycle.is_odd = true;
-            return;
-        }
-        let (is_plain, is_all) = self.readings.take_plain(I, &cycle.readings);
-        let is_good = is_all || self.check_odd(I, is_plain, cycle);
-        let reading = cycle.readings[I].as_ref().filter(|_| is_good);
-        cycle.good[I] = reading
-            .map(|reading| Measurement { position: reading.position, velocity: reading.velocity });
-    }
-
-    /// Checks a reading that is not plain, or of which a warning stands; returns whether it is good.
-    #[inline(never)]
-    fn check_odd(&mut self, i: usize, is_plain: bool, cycle: &mut Cycle) -> bool {
-        let context = CheckContext {
-            now: cycle.now,
-            design: &self.design,
-            inputs: &self.inputs,
-            way: self.command.way,
-            been: self.last.been(),
-            sequential: self.sequential.as_deref(),
-            bank: &self.fde.bank,
-            blame: &self.blame,
-        };
-        let is_good = self.readings.judge(i, is_plain, &cycle.readings, &context).is_good();
-        self.account.tally.implausible[i] += u64::from(cycle.readings[i].is_some() && !is_good);
-        cycle.is_odd |= !is_good || self.readings.is_implausible(i);
-        is_good
-    }
-
-    /// Steps the observers, and compares C1 with the corrected C2.
-    #[inline(always)]
-    fn observe(&mut self, cycle: &mut Cycle, mut restarted: impl FnMut(Transducer, Restart)) {
-        if self.has(Transducer::C1)
-            && let Some(reason) = self.fde.observe::<0>(cycle)
-        {
-            restarted(Transducer::C1, reason);
-        }
-        if self.has(Transducer::C2)
-            && let Some(reason) = self.fde.observe::<1>(cycle)
-        {
-            restarted(Transducer::C2, reason);
-        }
-        let [c1, c2] = cycle.lengths();
-        cycle.difference = c1.zip(c2).map(|(c1, c2)| self.design.comparator.residual(c1, c2));
-    }
-
-    /// Lets each detector judge the cycle, in the order in which one needs what another has found.
-    #[inline(always)]
-    fn detect(&mut self, cycle: &mut Cycle) {
-        self.rest(cycle);
-        if self.sequential.is_some() {
-            self.judge_sequentially(cycle);
-        }
-        self.judge_residuals(cycle);
-        self.command.watch.take(cycle.command);
-        self.judge_measured(cycle);
-        if self.sequential.is_some() {
-            self.judge_beside_sequential(cycle);
-        }
-        if self.process.is_some() {
-            self.judge_process(cycle);
-            self.reckon_by_oil(cycle);
-        }
-    }
-
-    /// Counts what was judged, and keeps what an incident is compared with.
-    #[inline(always)]
-    fn account(&mut self, cycle: &Cycle, finds: bool) {
-        let complete = self.is_complete();
-        let Account { judged, blanks, tally } = &mut self.account;
-        tally.count(&cycle.residuals, judged.contains(&true), complete);
-        if !blanks.goes_on(*judged) {
-            self.note_blank(cycle);
-        }
-        self.is_busy = self.is_watched | finds | self.has_drifted();
-        if self.is_busy {
-            self.note_quantities(&cycle.residuals);
-        }
     }
 }

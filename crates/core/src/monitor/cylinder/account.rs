@@ -1,10 +1,7 @@
 //! What was judged of a cylinder, and what was not.
 
-use super::blanks::{Blank, Blanks, NotJudged};
+use super::blanks::Blanks;
 use super::tally::Tally;
-use super::{Cycle, Cylinder, TRANSDUCERS};
-use crate::monitor::gate::Opening;
-use crate::sample::Quality;
 use crate::state::state;
 use crate::time::Timestamp;
 
@@ -33,40 +30,5 @@ impl Account {
     pub fn interrupt(&mut self, last: Timestamp) {
         self.judged = [false; 2];
         self.blanks.interrupt(last, self.tally.cycles);
-    }
-}
-
-impl Cylinder {
-    /// Takes that an observer judges again, or no more.
-    #[cold]
-    pub(super) fn note_blank(&mut self, cycle: &Cycle) {
-        let judged = self.account.judged;
-        // This one has been counted.
-        let before = self.account.tally.cycles - 1;
-        let reasons = [0, 1].map(|i| self.has(TRANSDUCERS[i]).then(|| self.not_judged(i, cycle)));
-        self.account.blanks.change(judged, cycle.now.opened, before, reasons);
-    }
-
-    fn not_judged(&self, i: usize, cycle: &Cycle) -> NotJudged {
-        match self.readings.quality(i) {
-            Quality::Missing | Quality::Stale => NotJudged::NoReadings,
-            Quality::Doubtful => NotJudged::Doubtful,
-            quality if !quality.is_good() => NotJudged::Implausible,
-            _ if cycle.now.gate == Opening::Closed => NotJudged::State,
-            _ if !self.design.observes => NotJudged::NoBaseline,
-            _ if self.command.is_absent() => NotJudged::NoCommand,
-            _ => NotJudged::Settling,
-        }
-    }
-
-    /// The longest times in which the observers did not judge, those that last until `newest` among them.
-    pub fn blanks(&self, newest: Timestamp) -> impl Iterator<Item = Blank> {
-        self.account.blanks.longest(newest)
-    }
-
-    /// Cycles that the observers of C1 and C2 did not judge; `None` for a transducer that is not configured.
-    pub fn unjudged(&self) -> [Option<u64>; 2] {
-        let Account { blanks, tally, .. } = &self.account;
-        core::array::from_fn(|i| self.has(TRANSDUCERS[i]).then(|| blanks.count(i, tally.cycles)))
     }
 }

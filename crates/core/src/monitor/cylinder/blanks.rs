@@ -1,7 +1,6 @@
 //! When the observers of a cylinder did not judge, and why: no warning is good news only where there was
 //! judgement.
 
-use super::TRANSDUCERS;
 use crate::sample::Transducer;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
@@ -80,7 +79,7 @@ impl Blanks {
     fn end(&mut self, i: usize, until: Timestamp, cycles: u64) {
         let Some(Begun { from, before, reason }) = self.open[i].take() else { return };
         self.cycles[i] += cycles - before;
-        let blank = Blank { transducer: TRANSDUCERS[i], from, until, reason };
+        let blank = Blank { transducer: Transducer::ALL[i], from, until, reason };
         let length = |blank: &Option<Blank>| blank.map(|it| it.until.since(it.from));
         // The shortest gives way; a free place is shorter than any.
         let shortest = self.longest[i].iter_mut().min_by_key(|blank| length(blank));
@@ -135,7 +134,7 @@ impl Blanks {
     /// The longest ones, those that last until `newest` among them.
     pub fn longest(&self, newest: Timestamp) -> impl Iterator<Item = Blank> {
         let lasting =
-            TRANSDUCERS.into_iter().zip(&self.open).filter_map(move |(transducer, open)| {
+            Transducer::ALL.into_iter().zip(&self.open).filter_map(move |(transducer, open)| {
                 let Begun { from, reason, .. } = (*open)?;
                 Some(Blank { transducer, from, until: newest, reason })
             });

@@ -13,16 +13,17 @@ mod course;
 mod free_model;
 mod parameters;
 
-use super::last::{SharedDeparture, common};
-use super::{Cycle, Cylinder, CylinderDesign, TRANSDUCERS};
+use super::CylinderDesign;
 use crate::estimate::mean::Mean;
-use crate::process::Process;
-use crate::sequential::{Pair, Sequential};
-use crate::state::{state, whole};
+use crate::observe::observer::ObserverDesign;
+use crate::sample::Transducer;
+use crate::state::state;
 use crate::time;
 use course::ReckonedCourse;
+pub(super) use course::{Compared, CourseError, CourseJump, common};
 use free_model::FreeModel;
 pub use parameters::ReckoningParameters;
+use parameters::{LONGEST_WINDOW_TICKS, WINDOWS};
 
 /// What gives the rod's way, the best one first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +40,7 @@ impl WaySource {
     /// The best one of a cylinder. Beside a second transducer the model would cost more than it gives.
     pub fn of(design: &CylinderDesign) -> Option<Self> {
         let is_driven = design.sequential.as_ref().is_some_and(|it| it.pair.is_some());
-        let is_single = !TRANSDUCERS.into_iter().all(|it| design.has(it));
+        let is_single = !Transducer::ALL.into_iter().all(|it| design.has(it));
         match design.process.as_ref().is_some_and(|it| it.flow.is_some()) {
             true => Some(Self::Oil),
             false if is_driven => Some(Self::Drive),
@@ -47,45 +48,6 @@ impl WaySource {
             false => None,
         }
     }
-}
-
-/// Windows, each twice as long as the one before.
-const WINDOWS: usize = 8;
-
-/// Ticks of the longest one.
-const LONGEST_WINDOW_TICKS: usize = 1 << (WINDOWS - 1);
-
-/// What a reading has departed by from dead reckoning.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CourseError {
-    /// m, signed.
-    pub error: f64,
-    /// What it was compared with, m.
-    pub limit: f64,
-    /// Window in which it has come about, s.
-    pub seconds: f64,
-}
-
-/// What readings are off by since a moment ago.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CourseJump {
-    /// m, signed.
-    pub error: f64,
-    /// What it is compared with, m.
-    pub limit: f64,
-}
-
-whole! { CourseJump { error, limit } }
-
-/// What is compared with dead reckoning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Compared {
-    /// The only transducer that is left.
-    Alone(usize),
-    /// Both, which agree.
-    Together,
-    /// Neither: they differ, or one has no reading.
-    Neither,
 }
 
 /// Dead reckoning of one cylinder.
@@ -187,9 +149,28 @@ impl DeadReckoning {
         (self.held, self.calm) = (0, 0);
     }
 
+    pub fn goes_by(&self, source: WaySource) -> bool {
+        self.source == source
+    }
+
+    /// Velocity until the next cycle by the model that `by` follows, m/s, for a rod of this `length`, m; `None` where that is
+    /// not known, or the model has not settled. Where it is not `open`, the model begins anew.
+    pub fn free_velocity(
+        &mut self,
+        open: bool,
+        by: &ObserverDesign,
+        length: Option<f64>,
+        command: Option<f64>,
+    ) -> Option<f64> {
+        if !open {
+            self.model = FreeModel::new(self.settling);
+        }
+        self.model.step(by, length.filter(|_| open)?, command)
+    }
+
     /// Begins a cycle. Returns whether it is a tick.
     #[inline]
-    const fn begin(&mut self) -> bool {
+    pub const fn begin(&mut self) -> bool {
         self.cycles += 1;
         let is_tick = self.cycles >= self.tick;
         if is_tick {
@@ -200,7 +181,7 @@ impl DeadReckoning {
 
     /// Takes the velocity from one cycle to the next one, m/s.
     #[inline]
-    fn go(&mut self, velocity: Option<f64>) {
+    pub fn go(&mut self, velocity: Option<f64>) {
         let way = velocity.map(|velocity| self.sample_time * velocity);
         match way {
             Some(way) => (self.way, self.distance) = (self.way + way, self.distance + way.abs()),
@@ -226,7 +207,7 @@ impl DeadReckoning {
 
     /// Takes the readings of a tick, m: judges what is `compared`, and learns the usual errors while nothing is found of the
     /// cylinder (`is_calm`).
-    fn judge(
+    pub fn judge(
         &mut self,
         readings: [Option<f64>; 2],
         compared: Compared,
@@ -303,88 +284,6 @@ impl DeadReckoning {
         self.distances[self.next] = self.distance;
         self.next = (self.next + 1) % LONGEST_WINDOW_TICKS;
         self.held = (self.held + 1).min(LONGEST_WINDOW_TICKS);
-    }
-}
-
-impl Cylinder {
-    fn reckons_by(&self, source: WaySource) -> bool {
-        self.reckoning.as_ref().is_some_and(|it| it.source == source)
-    }
-
-    /// Takes a cycle until which the oil has given the velocity.
-    #[inline]
-    pub(super) fn reckon_by_oil(&mut self, cycle: &Cycle) {
-        if !self.reckons_by(WaySource::Oil) {
-            return;
-        }
-        let velocity = self.process.as_deref().and_then(Process::speed);
-        let Some(reckoning) = &mut self.reckoning else { return };
-        reckoning.go(velocity);
-        if reckoning.begin() {
-            self.judge_reckoning(cycle);
-        }
-    }
-
-    /// Takes a cycle in which the drive has given the velocity.
-    #[inline]
-    pub(super) fn reckon_by_drive(&mut self, cycle: &Cycle) {
-        if !self.reckons_by(WaySource::Drive) {
-            return;
-        }
-        let sequential = self.sequential.as_deref();
-        self.reckon(cycle, sequential.and_then(Sequential::pair).and_then(Pair::velocity));
-    }
-
-    /// The same of a cylinder with one transducer, by the model alone.
-    pub(super) fn reckon_by_model(&mut self, cycle: &Cycle) {
-        if !self.reckons_by(WaySource::Model) {
-            return;
-        }
-        let is_open = cycle.is_monitored() && !self.command.is_stale();
-        let Some(reckoning) = &mut self.reckoning else { return };
-        if !is_open {
-            reckoning.model = FreeModel::new(reckoning.settling);
-        }
-        let by = &self.design.observers[0];
-        let length = cycle.good[0].or(cycle.good[1]).filter(|_| is_open);
-        let velocity = length.and_then(|it| reckoning.model.step(by, it.position, cycle.command));
-        self.reckon(cycle, velocity);
-    }
-
-    #[inline(always)]
-    fn reckon(&mut self, cycle: &Cycle, velocity: Option<f64>) {
-        if self.reckoning.as_mut().is_some_and(|it| it.begin()) {
-            self.judge_reckoning(cycle);
-        }
-        if let Some(reckoning) = &mut self.reckoning {
-            reckoning.go(velocity);
-        }
-    }
-
-    /// Judges the readings at a tick, and latches what departs from dead reckoning.
-    #[inline(never)]
-    fn judge_reckoning(&mut self, cycle: &Cycle) {
-        // A stretch that began with a wild reading would be off for good.
-        let lengths = cycle.lengths();
-        let readings = [0, 1].map(|i| lengths[i].filter(|_| !self.fde.bank.is_open(i)));
-        let is_explained = self.process.as_deref().is_some_and(|it| it.alarm().is_some());
-        // The curve of a drive was not learnt beyond its lesson: in a sea of 3 m it was off by three times the most of
-        // one of 2 m. And a stop holds the rod, however it is commanded: by whichever reading it is near one.
-        let is_elsewhere = self.command.watch.is_beyond()
-            || readings.into_iter().flatten().any(|it| self.is_near_end(it))
-            || self.readings.has_idle_valve();
-        let (compared, is_calm) = (self.compared(readings), !self.finds_anything());
-        let Some(reckoning) = &mut self.reckoning else { return };
-        if is_explained {
-            reckoning.forget();
-            self.last.shared = self.last.shared.filter(SharedDeparture::is_jump);
-        } else if is_elsewhere {
-            reckoning.pause();
-        } else if let Some(error) = reckoning.judge(readings, compared, is_calm) {
-            // It would be found again at the next tick, and its end as another one.
-            reckoning.forget();
-            self.take_course_error(compared, error, cycle.now.opened);
-        }
     }
 }
 

@@ -106,4 +106,16 @@ impl CylinderDesign {
     pub const fn has(&self, transducer: Transducer) -> bool {
         self.required & Field::Position(transducer).bit() != 0
     }
+    /// The stroke without its ends, where a stop may hold the rod, m.
+    pub fn inner_stroke(&self) -> [f64; 2] {
+        let (least, most) = self.limits[0].lengths;
+        let end = self.last.stop * (most - least);
+        [least + end, most - end]
+    }
+
+    /// Whether a stop may hold a rod of this length, m.
+    pub fn is_near_end(&self, length: f64) -> bool {
+        let [least, most] = self.inner_stroke();
+        !(least..=most).contains(&length)
+    }
 }

@@ -1,36 +1,19 @@
 //! The estimated length: what the virtual sensor is given in a cycle.
 
+use super::estimated::EstimatedLength;
 use super::last::SharedDeparture;
-use super::{Cycle, Cylinder, TRANSDUCERS};
+use super::{Cycle, Cylinder};
 use crate::alarm::Finding;
 use crate::alarm::detector::{PLACES, WarningPlace};
-use crate::estimate::{Estimate, SensorInput, VirtualSensor};
-use crate::state::state;
+use crate::estimate::{Estimate, SensorInput};
+use crate::sample::Transducer;
 use crate::verdict::{FDE3, Fault, Suspect};
 use alloc::boxed::Box;
-
-/// The virtual sensor of a cylinder, and its newest estimate.
-#[derive(Clone, Debug)]
-pub(super) struct EstimatedLength {
-    sensor: VirtualSensor,
-    newest: Option<Estimate>,
-}
-
-state! {
-    EstimatedLength { sensor, newest }
-}
-
-impl EstimatedLength {
-    pub fn interrupt(&mut self) {
-        self.sensor.interrupt();
-    }
-}
 
 impl Cylinder {
     /// This cylinder with a virtual sensor.
     pub fn estimating(mut self) -> Self {
-        let sensor = VirtualSensor::new(self.design.estimate.clone());
-        self.estimated = Some(Box::new(EstimatedLength { sensor, newest: None }));
+        self.estimated = Some(Box::new(EstimatedLength::new(self.design.estimate.clone())));
         self
     }
 
@@ -38,13 +21,13 @@ impl Cylinder {
     /// is not known.
     #[inline]
     pub fn estimated(&self) -> Option<Option<&Estimate>> {
-        self.estimated.as_ref().map(|it| it.newest.as_ref())
+        self.estimated.as_ref().map(|it| it.newest())
     }
 
     /// Whether no transducer is trusted, and the reading of one may have been wrong before it was blamed: what is found by
     /// its innovation, or once it has stood for long enough, is found later than it began.
     fn is_last_doubted(&self, found: &[Option<Finding>; PLACES], trusted: [bool; 2]) -> bool {
-        let is_left = |i: usize| self.has(TRANSDUCERS[i]) && trusted[i];
+        let is_left = |i: usize| self.has(Transducer::ALL[i]) && trusted[i];
         let facts = [WarningPlace::PlausibilityOfC1, WarningPlace::PlausibilityOfC2];
         let is_fact = |place: usize| facts.iter().any(|fact| *fact as usize == place);
         let is_late = |(place, it): (usize, &Finding)| {
@@ -80,13 +63,13 @@ impl Cylinder {
             resolved: is_resolved(&found) || self.last.any_latched(),
             process: blames(Suspect::Process),
             departs: self.last.shared.as_ref().map_or(0.0, SharedDeparture::size),
-            unseen: self.unseen_step([0, 1].map(|i| self.has(TRANSDUCERS[i]) && unblamed[i])),
+            unseen: self.unseen_step([0, 1].map(|i| self.has(Transducer::ALL[i]) && unblamed[i])),
             displaced: [Suspect::C1, Suspect::C2].map(|suspect| is_displaced(&found, suspect)),
             beyond: [0, 1].map(|i| cycle.residuals.r[i].is_some_and(is_beyond)),
             doubted: self.is_last_doubted(&found, unblamed),
         };
         if let Some(estimated) = &mut self.estimated {
-            estimated.newest = estimated.sensor.step(&input);
+            estimated.step(&input);
         }
     }
 }

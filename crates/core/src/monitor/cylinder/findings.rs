@@ -1,6 +1,7 @@
 //! Findings of the detectors of a cylinder, and the resulting states of its transducers.
 
-use super::{Cylinder, TRANSDUCERS};
+use super::Cylinder;
+use super::last::{Latch, SharedDeparture};
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
@@ -8,6 +9,7 @@ use crate::blame::{Accuser, Blamed, Case, Facts, Rule, blame, suspect_of};
 use crate::process::Malfunction;
 use crate::sample::{Quality, Transducer};
 use crate::sequential::{Alarm, Sequential};
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 impl Cylinder {
@@ -48,13 +50,35 @@ impl Cylinder {
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
-        let sequential = self.sequential_finding().or_else(|| self.tilted_finding());
+        let tilted = || self.tilted.map(|it| it.finding(self.design.levels.both));
+        let sequential = self.sequential_finding().or_else(tilted);
         let sequential = sequential.map(|it| self.in_time(it));
         // What the stop finds of an only transducer stands for months, and comes last.
-        put(WarningPlace::Sequential, sequential.or_else(|| self.stop_finding()));
+        let undecided = self.design.levels.undecided;
+        let stop = || self.on_stop.as_ref().and_then(|it| it.finding(undecided));
+        put(WarningPlace::Sequential, sequential.or_else(stop));
         put(WarningPlace::Process, self.process_finding());
         self.raise_where_both_are_blamed(&mut findings);
         findings
+    }
+
+    /// Whether the stop finds anything of the only transducer.
+    #[inline]
+    pub(super) fn has_drifted(&self) -> bool {
+        self.on_stop.as_ref().is_some_and(|it| it.has_drifted())
+    }
+
+    /// Whether a transducer is under suspicion, and whether the readings have parted that are both plausible.
+    #[inline]
+    pub(super) fn doubts(&self) -> (bool, bool) {
+        let difference = self.fde.bank.any_found() && self.fde.bank.difference_age().is_some();
+        let (sequential, is_implausible) = (
+            self.sequential.as_deref(),
+            Transducer::ALL.into_iter().any(|t| self.readings.is_implausible(t as usize)),
+        );
+        let is_doubted =
+            difference || is_implausible || sequential.is_some_and(|it| it.alarm().is_some());
+        (is_doubted, !is_implausible && sequential.is_some_and(Sequential::is_displaced))
     }
 
     /// What blames either transducer has the level of both, where each is blamed by something, or does not exist.
@@ -68,7 +92,7 @@ impl Cylinder {
             let suspect = suspect_of(transducer);
             !self.has(transducer) || each.any(|(k, it)| counts(k) && it.suspect == suspect)
         };
-        if TRANSDUCERS.into_iter().all(is_blamed) {
+        if Transducer::ALL.into_iter().all(is_blamed) {
             for finding in findings.iter_mut().flatten() {
                 if matches!(finding.suspect, Suspect::C1 | Suspect::C2) {
                     finding.level = finding.level.max(self.design.levels.both);
@@ -130,6 +154,51 @@ impl Cylinder {
             Suspect::C1 | Suspect::C2 => levels.located,
             Suspect::Process => levels.process,
             Suspect::Undecided => levels.undecided,
+        }
+    }
+
+    /// The finding of an observer, or what is latched of its transducer.
+    pub(super) fn observer_finding(&self, accuser: Accuser) -> Option<Finding> {
+        let i = accuser.observed()? as usize;
+        let blamed = self.blame(accuser, |_, _| {})?;
+        let found = self.fde.bank.detections()[i];
+        let Some(latch) = self.last.latch(i) else {
+            return found.map(|found| self.found(found, blamed));
+        };
+        let Latch { fault, residual, threshold, departs, .. } = latch;
+        let latched = Detection { fault, residual, threshold };
+        let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
+        let evidence = departs.map(|onset| self.departure_evidence([residual, threshold], onset));
+        let level = self.design.levels.both;
+        Some(Finding { level, evidence, ..self.found(found, blamed) })
+    }
+
+    /// The finding of both transducers, which depart alike.
+    fn shared_finding(&self) -> Option<Finding> {
+        let SharedDeparture { off: residual, limit: threshold, since, is_jump } =
+            self.last.shared?;
+        let (fault, rule) = match is_jump {
+            true => (Fault::Abrupt, Rule::BothJump),
+            false => (Fault::Incipient, Rule::BothDepart),
+        };
+        let found = Detection { fault, residual, threshold };
+        let evidence = self.departure_evidence([residual, threshold], since);
+        let by = if is_jump { Testimony::Innovations } else { Testimony::Way };
+        // That it is latched is news where FDE1 stands already.
+        let evidence = Some(Evidence { by: Some(by), size: Some(residual), ..evidence });
+        Some(Finding { evidence, ..self.found(found, Blamed::new(Suspect::Process, rule)) })
+    }
+
+    /// As improbable as a Gaussian error of so many deviations.
+    fn departure_evidence(&self, [error, limit]: [f64; 2], onset: Timestamp) -> Evidence {
+        let deviations = self.design.reckoning.deviations * error / limit;
+        Evidence {
+            fault: 0.5 * deviations * deviations,
+            location: None,
+            by: Some(Testimony::Way),
+            onset,
+            gain: None,
+            size: None,
         }
     }
 
@@ -257,15 +326,16 @@ impl Cylinder {
     /// Whether the reading of transducer `i` stands, off the ends of the stroke, while the command moves the rod.
     fn is_left_standing(&self, i: usize) -> bool {
         let reading = &self.readings.plausibility[i];
-        reading.is_left_standing() && reading.newest().is_some_and(|it| !self.is_near_end(it))
+        reading.is_left_standing()
+            && reading.newest().is_some_and(|it| !self.design.is_near_end(it))
     }
 
     /// State of each transducer; `stands` tells whether the warnings of this cycle blame it.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
         let verdicts = self.fde.bank.verdicts();
         core::array::from_fn(|i| {
-            let blamed = suspect_of(TRANSDUCERS[i]);
-            if !self.has(TRANSDUCERS[i]) {
+            let blamed = suspect_of(Transducer::ALL[i]);
+            if !self.has(Transducer::ALL[i]) {
                 Health::NotFitted
             } else if stands(blamed) {
                 Health::Faulty

@@ -1,11 +1,13 @@
 //! What each detector of a cylinder is given in a cycle.
 
-use super::{Cycle, Cylinder, TRANSDUCERS};
+use super::{Cycle, Cylinder};
 use crate::blame::Agreement;
 use crate::blame::agreement::PairState;
 use crate::blame::standing::ReadingState;
 use crate::process::{ProcessCoverage, ProcessInput};
-use crate::sequential::{self, Sequential};
+use crate::sample::Transducer;
+use crate::sequential::{self, Judgement, Sequential};
+use crate::time::Timestamp;
 use crate::verdict::{Residuals, Testimony, Verdict};
 
 impl Cylinder {
@@ -86,31 +88,19 @@ impl Cylinder {
         self.blame.standing.follow(raised, standing);
     }
 
-    /// Whether a transducer is under suspicion, and whether the readings have parted that are both plausible.
-    #[inline]
-    pub(super) fn doubts(&self) -> (bool, bool) {
-        let difference = self.fde.bank.any_found() && self.fde.bank.difference_age().is_some();
-        let (sequential, is_implausible) = (
-            self.sequential.as_deref(),
-            TRANSDUCERS.into_iter().any(|t| self.readings.is_implausible(t as usize)),
-        );
-        let is_doubted =
-            difference || is_implausible || sequential.is_some_and(|it| it.alarm().is_some());
-        (is_doubted, !is_implausible && sequential.is_some_and(Sequential::is_displaced))
-    }
-
     #[inline(never)]
     pub(super) fn judge_process(&mut self, cycle: &Cycle) {
         let mut good = cycle.good;
         let (is_doubted, asked) = self.doubts();
         // The controller does not follow a transducer that was out before and gives no reading.
-        let is_without = self.alone().is_some_and(|i| good[1 - i].is_none());
+        let is_without = self.last.alone(&self.design).is_some_and(|i| good[1 - i].is_none());
         let held = is_doubted && !is_without;
         if self.fde.bank.is_exceeded() {
             // A spike of 4 mm is a way that no oil explains.
             good = [0, 1].map(|i| good[i].filter(|_| !self.fde.bank.is_open(i)));
         }
-        let is_lost = TRANSDUCERS.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
+        let is_lost =
+            Transducer::ALL.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
         let is_gain = asked && self.sequential.as_deref().is_some_and(Sequential::is_gain);
         let Some(process) = &mut self.process else { return };
         let monitored = cycle.is_monitored();
@@ -185,5 +175,14 @@ impl Cylinder {
             let exceeded = [0, 1].map(|i| self.fde.bank.is_open(i));
             self.blame.agreement.judge(raised, exceeded, [r1, r2], readings);
         }
+    }
+    /// Takes the judgement of this cylinder from the dwells of the machine up to `at`.
+    pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
+        match (&mut self.sequential, &mut self.on_stop) {
+            (Some(sequential), _) => sequential.judge_stop(at, judgement),
+            (None, Some(on_stop)) => on_stop.judge(at, judgement),
+            (None, None) => {}
+        }
+        self.is_busy |= self.has_findings();
     }
 }

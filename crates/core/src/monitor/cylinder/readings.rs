@@ -1,14 +1,16 @@
 //! Readings of a cylinder: which of them can be relied on. What is plain is so at once, all else is judged out of line.
 
-use super::devices::{Watches, watches};
-use super::{CylinderDesign, Evaluation, TRANSDUCERS};
+use super::devices::Watches;
+use super::{CylinderDesign, Evaluation};
 use crate::blame::{Accuser, BlameMemory};
+use crate::frame::{BusNumber, Buses};
 use crate::monitor::gate::Opening;
 use crate::monitor::implausible::{Checked, Implausible};
-use crate::sample::device::DeviceWord;
+use crate::sample::device::{DeviceNews, DeviceState, DeviceWatch, DeviceWord};
+use crate::sample::emergency::Emergency;
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
-use crate::sample::{DeviceRole, Inputs, Quality, Reading, Transducer};
+use crate::sample::{DeviceReport, DeviceRole, Inputs, Quality, Reading, Transducer};
 use crate::sequential::Sequential;
 use crate::state::state;
 use crate::time::Timestamp;
@@ -23,7 +25,7 @@ pub struct Readings {
     /// By [`DeviceRole`].
     pub(super) implausible: [Implausible; 3],
     /// `None` without devices that report on themselves.
-    pub(super) devices: Option<Box<Watches>>,
+    devices: Option<Box<Watches>>,
 }
 
 state! {
@@ -51,7 +53,7 @@ impl Readings {
             plausibility: design.limits.each_ref().map(|limits| Plausibility::new(limits.clone())),
             motions: [ReadingMotion::default(); 2],
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
-            devices: watches(&design.devices),
+            devices: Watches::of(&design.devices),
         }
     }
 
@@ -129,9 +131,9 @@ impl Readings {
     ) -> Quality {
         let is_absent = matches!(quality, Quality::Missing | Quality::Stale);
         let is_heard_of = self.word(i) != DeviceWord::Lost;
-        if is_absent && context.inputs.is_doubted(TRANSDUCERS[i]) {
+        if is_absent && context.inputs.is_doubted(Transducer::ALL[i]) {
             quality = self.plausibility[i].doubt();
-        } else if is_absent && is_heard_of && context.inputs.is_refused(TRANSDUCERS[i]) {
+        } else if is_absent && is_heard_of && context.inputs.is_refused(Transducer::ALL[i]) {
             quality = self.plausibility[i].spare();
         }
         if quality == Quality::Frozen && self.may_be_at_rest(i, context) {
@@ -213,7 +215,7 @@ impl Readings {
 
     /// Bits of a status that were never set before, and to which the configuration gives no meaning.
     pub fn take_unnamed(&mut self) -> impl Iterator<Item = (Transducer, u64)> {
-        let news = TRANSDUCERS.into_iter().zip(&mut self.plausibility);
+        let news = Transducer::ALL.into_iter().zip(&mut self.plausibility);
         news.filter_map(|(transducer, it)| Some((transducer, it.unnamed.take_news()?)))
     }
 
@@ -225,6 +227,91 @@ impl Readings {
         }
         let warnings = self.implausible.iter_mut().zip(lost).filter(|(_, lost)| *lost);
         warnings.for_each(|(warning, _)| warning.trigger.interrupt());
-        self.interrupt_devices(lost);
+        if let Some(watches) = &mut self.devices {
+            watches.interrupt(lost);
+        }
+    }
+    fn watch(&self, role: DeviceRole) -> Option<&DeviceWatch> {
+        self.devices.as_ref()?.watch(role)
+    }
+
+    fn watch_mut(&mut self, role: DeviceRole) -> Option<&mut DeviceWatch> {
+        self.devices.as_mut()?.watch_mut(role)
+    }
+
+    pub fn take_heartbeat(&mut self, role: DeviceRole, state: DeviceState) {
+        if let Some(watch) = self.watch_mut(role) {
+            watch.heartbeat(state);
+        }
+    }
+
+    /// Takes an emergency message; returns whether it raises a warning.
+    pub fn take_emergency(
+        &mut self,
+        role: DeviceRole,
+        at: Timestamp,
+        emergency: Emergency,
+    ) -> bool {
+        let Some(watch) = self.watch_mut(role) else { return false };
+        watch.emergency(emergency);
+        let (failed, report) = (watch.word() == DeviceWord::Failed, watch.report());
+        let implausible = &mut self.implausible[role as usize];
+        let raises = failed && !implausible.raised();
+        if raises {
+            implausible.judge(at, Checked { quality: Quality::Failed, beyond: 0.0, report });
+        }
+        raises
+    }
+
+    /// Whether it has devices that report on themselves.
+    #[inline(always)]
+    pub const fn has_devices(&self) -> bool {
+        self.devices.is_some()
+    }
+
+    /// Takes a cycle with these `readings`; see [`DeviceWatch::step`].
+    #[cold]
+    fn step_devices(
+        &mut self,
+        heard: Buses,
+        buses: &[BusNumber; 3],
+        readings: &[Option<Reading>; 2],
+    ) {
+        let Some(watches) = &mut self.devices else { return };
+        let [c1, c2] = readings.each_ref().map(Option::is_some);
+        watches.step(buses.map(|bus| heard.has(bus)), [c1, c2, false]);
+    }
+
+    /// What the device of index `i` ([`DeviceRole`]) says of itself.
+    #[cold]
+    fn word(&self, i: usize) -> DeviceWord {
+        self.watch(DeviceRole::ALL[i]).map_or(DeviceWord::Nothing, DeviceWatch::word)
+    }
+
+    /// Quality of the reading of index `i` after what its device says; `reads` tells whether there is one.
+    #[cold]
+    fn overrule(&mut self, i: usize, reads: bool) -> Quality {
+        let word = self.word(i);
+        self.plausibility[i].overrule(word, reads)
+    }
+
+    /// What the device of index `i` ([`DeviceRole`]) says of its fault.
+    #[cold]
+    fn report(&self, i: usize) -> Option<DeviceReport> {
+        self.watch(DeviceRole::ALL[i])?.report()
+    }
+
+    /// Whether the valve says that it is not operational: then the rod does not follow the command, and no
+    /// transducer is at fault.
+    #[inline(always)]
+    pub(super) fn has_idle_valve(&self) -> bool {
+        self.has_devices() && self.word(DeviceRole::Valve as usize) == DeviceWord::NotOperational
+    }
+
+    /// Passes to `report` what the devices have sent that is no fault, with the role and node-ID of each.
+    pub fn take_news(&mut self, report: impl FnMut(DeviceRole, u8, DeviceNews)) {
+        if let Some(watches) = &mut self.devices {
+            watches.take_news(report);
+        }
     }
 }

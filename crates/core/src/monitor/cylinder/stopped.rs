@@ -4,8 +4,8 @@
 //! is then compared with what it read there before. A stop that wears by more than usual, or that is dented,
 //! looks the same, so that the finding leaves open which of the two it is.
 
-use super::{Cycle, Cylinder};
-use crate::alarm::{Evidence, Finding};
+use super::{Cycle, CylinderDesign};
+use crate::alarm::{Evidence, Finding, Level};
 use crate::blame::Rule;
 use crate::compare::Comparator;
 use crate::sample::Transducer;
@@ -43,97 +43,84 @@ whole! { StopDrift { size, onset } }
 
 impl OnStop {
     /// `None` on a pair that no calibration compares: its stops are not judged.
-    pub fn of(is_compared: bool, has_c2: bool) -> Option<Box<Self>> {
-        (is_compared || !has_c2).then(Box::default)
+    pub fn of(design: &CylinderDesign) -> Option<Box<Self>> {
+        let is_judged = design.sequential.is_some() || !design.has(Transducer::C2);
+        is_judged.then(|| {
+            let mut on_stop = Box::<Self>::default();
+            on_stop.restore(&DwellHistory::default(), design);
+            on_stop
+        })
     }
 
-    /// Forgets the stay of which a part may be missing.
-    pub fn interrupt(&mut self) {
-        self.dwelling = Dwelling::default();
+    /// Readings on the stop so far.
+    pub const fn history(&self) -> &DwellHistory {
+        &self.history
     }
-}
 
-impl Cylinder {
-    /// Takes the readings of a cycle, on the stop or not.
-    #[inline]
-    pub(super) fn rest(&mut self, cycle: &Cycle) {
-        match &mut self.on_stop {
-            Some(_) if cycle.now.at_stop => self.stand(cycle),
-            Some(on_stop) => on_stop.dwelling.leave(),
-            None => {}
+    /// Restores the dwells of an earlier monitor.
+    pub fn restore(&mut self, dwells: &DwellHistory, design: &CylinderDesign) {
+        self.history.clone_from(dwells);
+        match &design.sequential {
+            Some(sequential) => {
+                let Comparator { gain, offset } = design.comparator;
+                let [one, two] = sequential.resolution;
+                let corrected = Some([gain, offset]);
+                self.history.gauge(Gauging { count: one.max(two), corrected });
+            }
+            None => self.history.keep_c1(),
         }
     }
 
     /// Takes the readings of a cycle on the stop.
     #[inline(never)]
-    fn stand(&mut self, cycle: &Cycle) {
-        let has_c2 = self.has(Transducer::C2);
-        let Some(on_stop) = &mut self.on_stop else { return };
+    pub fn stand(&mut self, cycle: &Cycle, has_c2: bool) {
         let [c1, c2] = cycle.lengths();
         let readings = match has_c2 {
             true => c1.zip(c2).map(|(c1, c2)| StopReadings::both([c1, c2])),
             false => c1.map(StopReadings::single),
         };
-        if let Some(dwell) = on_stop.dwelling.step(cycle.now.opened, readings) {
-            on_stop.history.add(dwell);
-            on_stop.dwelt = Some(dwell);
+        if let Some(dwell) = self.dwelling.step(cycle.now.opened, readings) {
+            self.history.add(dwell);
+            self.dwelt = Some(dwell);
         }
+    }
+
+    /// Takes a cycle off the stop.
+    #[inline]
+    pub fn leave(&mut self) {
+        self.dwelling.leave();
     }
 
     /// Reading on the stop in the newest cycle, returned once.
     pub fn take_dwell(&mut self) -> Option<Dwell> {
-        self.on_stop.as_mut()?.dwelt.take()
+        self.dwelt.take()
     }
 
-    /// Cylinder number and readings on the stop so far, if they are kept.
-    pub fn dwells(&self) -> Option<(u8, &DwellHistory)> {
-        Some((self.design.number, &self.on_stop.as_ref()?.history))
-    }
-
-    /// Restores the dwells of an earlier monitor, if the cylinder keeps any.
-    pub fn restore(&mut self, dwells: &DwellHistory) {
-        let Some(on_stop) = &mut self.on_stop else { return };
-        on_stop.history.clone_from(dwells);
-        match &self.design.sequential {
-            Some(design) => {
-                let Comparator { gain, offset } = self.design.comparator;
-                let [one, two] = design.resolution;
-                let corrected = Some([gain, offset]);
-                on_stop.history.gauge(Gauging { count: one.max(two), corrected });
-            }
-            None => on_stop.history.keep_c1(),
+    /// Takes the judgement of the only transducer from the dwells of the machine up to `at`.
+    pub fn judge(&mut self, at: Timestamp, judgement: &Judgement) {
+        if judgement.blame == Blame::C1 {
+            let size = judgement.moved.c1;
+            self.drift.get_or_insert(StopDrift { size, onset: at });
+        } else {
+            self.drift = None;
         }
-    }
-
-    /// Takes the judgement of this cylinder from the dwells of the machine up to `at`.
-    pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
-        match (&mut self.sequential, &mut self.on_stop) {
-            (Some(sequential), _) => sequential.judge_stop(at, judgement),
-            (None, Some(on_stop)) if judgement.blame == Blame::C1 => {
-                let size = judgement.moved.c1;
-                on_stop.drift.get_or_insert(StopDrift { size, onset: at });
-            }
-            (None, Some(on_stop)) => on_stop.drift = None,
-            (None, None) => {}
-        }
-        self.is_busy |= self.has_findings();
     }
 
     /// Whether the stop finds anything of the only transducer.
     #[inline]
-    pub(super) fn has_drifted(&self) -> bool {
-        self.on_stop.as_ref().is_some_and(|it| it.drift.is_some())
+    pub const fn has_drifted(&self) -> bool {
+        self.drift.is_some()
     }
 
-    /// The finding of the stop where the cylinder has one transducer. It blames nobody: a millimetre of months makes
-    /// neither the estimate nor the supervision of C1 worthless, and it may be the stop's.
-    pub(super) fn stop_finding(&self) -> Option<Finding> {
-        let drift = self.on_stop.as_ref()?.drift.as_ref()?;
+    /// The finding of the stop where the cylinder has one transducer, of this `level`. It blames nobody: a millimetre of
+    /// months makes neither the estimate nor the supervision of C1 worthless, and it may be the stop's.
+    pub fn finding(&self, level: Level) -> Option<Finding> {
+        let drift = self.drift.as_ref()?;
         Some(Finding {
             fault: Fault::Incipient,
             suspect: Suspect::Undecided,
             rule: Rule::Stop,
-            level: self.design.levels.undecided,
+            level,
             residual: Some(drift.size),
             threshold: None,
             evidence: Some(Evidence {
@@ -146,5 +133,10 @@ impl Cylinder {
             }),
             device: None,
         })
+    }
+
+    /// Forgets the stay of which a part may be missing.
+    pub fn interrupt(&mut self) {
+        self.dwelling = Dwelling::default();
     }
 }

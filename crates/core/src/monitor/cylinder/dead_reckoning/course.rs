@@ -1,7 +1,7 @@
-//! What one transducer is off by against dead reckoning.
+//! What transducers are off by against dead reckoning.
 
-use super::LONGEST_WINDOW_TICKS;
-use crate::state::state;
+use super::parameters::LONGEST_WINDOW_TICKS;
+use crate::state::{state, whole};
 
 /// The readings of one transducer less dead reckoning.
 #[derive(Clone, Debug)]
@@ -28,5 +28,47 @@ impl ReckonedCourse {
         let goes_on = self.origin.is_some();
         self.error = apart - *self.origin.get_or_insert(apart - self.error);
         goes_on
+    }
+}
+
+/// What a reading has departed by from dead reckoning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CourseError {
+    /// m, signed.
+    pub error: f64,
+    /// What it was compared with, m.
+    pub limit: f64,
+    /// Window in which it has come about, s.
+    pub seconds: f64,
+}
+
+/// What readings are off by since a moment ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CourseJump {
+    /// m, signed.
+    pub error: f64,
+    /// What it is compared with, m.
+    pub limit: f64,
+}
+
+whole! { CourseJump { error, limit } }
+
+/// What is compared with dead reckoning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// The only transducer that is left.
+    Alone(usize),
+    /// Both, which agree.
+    Together,
+    /// Neither: they differ, or one has no reading.
+    Neither,
+}
+
+/// What two errors have in common, m: the lesser of the two, if both have the same sign.
+pub fn common([one, other]: [f64; 2]) -> f64 {
+    match one * other > 0.0 {
+        true if one.abs() < other.abs() => one,
+        true => other,
+        false => 0.0,
     }
 }

@@ -1,5 +1,11 @@
 //! What a departure from dead reckoning is judged by: every number of the family, with its unit and source.
 
+/// Windows, each twice as long as the one before.
+pub const WINDOWS: usize = 8;
+
+/// Ticks of the longest one.
+pub const LONGEST_WINDOW_TICKS: usize = 1 << (WINDOWS - 1);
+
 /// Numbers of the comparison with dead reckoning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReckoningParameters {

@@ -1,61 +1,17 @@
 //! Departures from dead reckoning: of the last transducer, or of both alike.
 
 use super::displacement::{Displacement, Latch, Limits, Watched};
-use crate::alarm::{Evidence, Finding};
-use crate::blame::{Accuser, Blamed, Rule};
-use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError, CourseJump};
+use super::shared::SharedDeparture;
+use crate::monitor::cylinder::dead_reckoning::{Compared, CourseError, CourseJump, common};
 use crate::monitor::cylinder::{Cycle, Cylinder};
-use crate::state::whole;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
-
-/// What both transducers are off by alike. Their difference is zero and both observers follow, so that it stands until the
-/// readings return, or rest on the stop as before.
-#[derive(Clone, Copy, Debug)]
-pub struct SharedDeparture {
-    /// m, signed.
-    off: f64,
-    /// What its newest part was compared with, m.
-    limit: f64,
-    since: Timestamp,
-    /// Whether both have jumped, as no rod does. Otherwise the cylinder may not follow its valve, which a process detector may
-    /// explain.
-    is_jump: bool,
-}
-
-whole! { SharedDeparture { off, limit, since, is_jump } }
-
-impl SharedDeparture {
-    /// Takes another error. `None`: what is left would not have been found.
-    fn and(self, error: f64, limit: f64) -> Option<Self> {
-        let off = self.off + error;
-        (off.abs() > limit).then_some(Self { off, limit, ..self })
-    }
-
-    /// m.
-    pub const fn size(&self) -> f64 {
-        self.off.abs()
-    }
-
-    pub const fn is_jump(&self) -> bool {
-        self.is_jump
-    }
-}
-
-/// What two errors have in common, m: the lesser of the two, if both have the same sign.
-pub fn common([one, other]: [f64; 2]) -> f64 {
-    match one * other > 0.0 {
-        true if one.abs() < other.abs() => one,
-        true => other,
-        false => 0.0,
-    }
-}
+use crate::verdict::{Fault, Verdict};
 
 impl Cylinder {
     /// What is compared with dead reckoning.
     pub(in super::super) fn compared(&self, readings: [Option<f64>; 2]) -> Compared {
         let is_apart = || self.doubts().0 || self.last.any_latched();
-        match self.alone() {
+        match self.last.alone(&self.design) {
             Some(i) => Compared::Alone(i),
             None if readings.iter().all(Option::is_some) && !is_apart() => Compared::Together,
             None => Compared::Neither,
@@ -126,51 +82,6 @@ impl Cylinder {
                 let (off, limit) = (residual, threshold);
                 last.shared = Some(SharedDeparture { off, limit, since, is_jump: false });
             }
-        }
-    }
-
-    /// The finding of an observer, or what is latched of its transducer.
-    pub(in super::super) fn observer_finding(&self, accuser: Accuser) -> Option<Finding> {
-        let i = accuser.observed()? as usize;
-        let blamed = self.blame(accuser, |_, _| {})?;
-        let found = self.fde.bank.detections()[i];
-        let Some(latch) = self.last.of[i].latch else {
-            return found.map(|found| self.found(found, blamed));
-        };
-        let Latch { fault, residual, threshold, departs, .. } = latch;
-        let latched = Detection { fault, residual, threshold };
-        let found = found.filter(|_| departs.is_none()).unwrap_or(latched);
-        let evidence = departs.map(|onset| self.departure_evidence([residual, threshold], onset));
-        let level = self.design.levels.both;
-        Some(Finding { level, evidence, ..self.found(found, blamed) })
-    }
-
-    /// The finding of both transducers, which depart alike.
-    pub(in super::super) fn shared_finding(&self) -> Option<Finding> {
-        let SharedDeparture { off: residual, limit: threshold, since, is_jump } =
-            self.last.shared?;
-        let (fault, rule) = match is_jump {
-            true => (Fault::Abrupt, Rule::BothJump),
-            false => (Fault::Incipient, Rule::BothDepart),
-        };
-        let found = Detection { fault, residual, threshold };
-        let evidence = self.departure_evidence([residual, threshold], since);
-        let by = if is_jump { Testimony::Innovations } else { Testimony::Way };
-        // That it is latched is news where FDE1 stands already.
-        let evidence = Some(Evidence { by: Some(by), size: Some(residual), ..evidence });
-        Some(Finding { evidence, ..self.found(found, Blamed::new(Suspect::Process, rule)) })
-    }
-
-    /// As improbable as a Gaussian error of so many deviations.
-    fn departure_evidence(&self, [error, limit]: [f64; 2], onset: Timestamp) -> Evidence {
-        let deviations = self.design.reckoning.deviations * error / limit;
-        Evidence {
-            fault: 0.5 * deviations * deviations,
-            location: None,
-            by: Some(Testimony::Way),
-            onset,
-            gain: None,
-            size: None,
         }
     }
 }

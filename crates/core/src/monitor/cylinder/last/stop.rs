@@ -1,6 +1,5 @@
 //! The last transducer on the mechanical stop, where it reads what it read there before.
 
-use super::{Cycle, Cylinder};
 use crate::state::whole;
 
 /// Reading on the mechanical stop.
@@ -29,7 +28,7 @@ impl Rest {
 
     /// Takes a reading; one that is farther than `far` from the mean, m, begins anew. A rod that still retracts passes by
     /// every mean, and that of its last stay among them. The rod stands after `stands` readings.
-    fn take(&mut self, reading: f64, far: f64, stands: u32) {
+    pub fn take(&mut self, reading: f64, far: f64, stands: u32) {
         if (reading - self.mean()).abs() > far {
             (self.sum, self.count) = (0.0, 0);
         }
@@ -39,41 +38,17 @@ impl Rest {
             self.stood = Some(self.mean());
         }
     }
-}
-
-impl Cylinder {
-    /// Takes the readings on the mechanical stop.
-    #[cold]
-    pub(super) fn rest_last(&mut self, cycle: &Cycle) {
-        let stands = self.design.observers[0].settle.max(1);
-        for (rest, reading) in self.last.rests.iter_mut().zip(cycle.lengths()) {
-            let Some(reading) = reading else { continue };
-            rest.take(reading, self.design.bank.observer.high, stands);
-        }
-        let agrees = |i: usize| {
-            let Rest { count, stood, healthy, .. } = self.last.rests[i];
-            let (now, high) = (stood.filter(|_| count >= stands), self.design.bank.observer.high);
-            now.zip(healthy).is_some_and(|(now, healthy)| (now - healthy).abs() <= high)
-        };
-        // The deck's attitude finds an error of C1.
-        let is_out = |i: usize| {
-            self.last.is_latched(i) || self.last.shared.is_some() || i == 0 && self.tilted.is_some()
-        };
-        if (0..2).any(is_out) && (0..2).all(|i| !is_out(i) || agrees(i)) {
-            self.last.release();
-            self.end_tilt_error();
-        }
+    /// Whether the rod stands, after `stands` readings, within `far` of where it stood in health, m.
+    pub fn agrees(&self, far: f64, stands: u32) -> bool {
+        let now = self.stood.filter(|_| self.count >= stands);
+        now.zip(self.healthy).is_some_and(|(now, healthy)| (now - healthy).abs() <= far)
     }
 
-    /// Keeps what was read on the stop that the rod has left, if nothing was found.
-    #[cold]
-    pub(super) fn leave_stop(&mut self) {
-        let is_healthy = !self.finds_anything();
-        for rest in &mut self.last.rests {
-            if is_healthy {
-                rest.healthy = rest.stood.or(rest.healthy);
-            }
-            rest.end();
+    /// Ends the stay, and keeps its mean if nothing was found.
+    pub fn leave(&mut self, is_healthy: bool) {
+        if is_healthy {
+            self.healthy = self.stood.or(self.healthy);
         }
+        self.end();
     }
 }

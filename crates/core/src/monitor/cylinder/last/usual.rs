@@ -1,7 +1,6 @@
 //! The motion of the rod in which its observers were quiet. In another one they are no evidence.
 
 use super::parameters::LastParameters;
-use super::{Cycle, Cylinder};
 use crate::sample::plausibility::NOWHERE;
 use crate::state::whole;
 
@@ -104,40 +103,5 @@ impl UsualMotion {
             true => settle,
             false => self.unusual.saturating_sub(1),
         };
-    }
-}
-
-impl Cylinder {
-    /// Whether the rod is expected where it was not while nothing was found, such as on a stop, which is no fault of a
-    /// reading.
-    pub(super) fn is_elsewhere(&self, cycle: &Cycle) -> bool {
-        let [lowest, highest] = self.last.been();
-        let (half, near) = (0.5 * (highest - lowest), self.design.last.near);
-        let [least, most] = self.inner_stroke();
-        let lowest = (lowest - half).max(least).min(lowest - near);
-        let highest = (highest + half).min(most).max(highest + near);
-        let is_beyond = |i: usize| {
-            let innovation = cycle.residuals.r[i].unwrap_or_default();
-            let expected = cycle.good[i].map(|it| it.position - innovation);
-            let place = expected.map(|it| match i {
-                0 => it,
-                _ => self.design.comparator.corrected(it),
-            });
-            place.is_some_and(|it| !(lowest..=highest).contains(&it))
-        };
-        (0..2).any(|i| self.is_last(i) && !self.last.is_latched(i) && is_beyond(i))
-    }
-
-    /// The stroke without its ends, where a stop may hold the rod, m.
-    fn inner_stroke(&self) -> [f64; 2] {
-        let (least, most) = self.design.limits[0].lengths;
-        let end = self.design.last.stop * (most - least);
-        [least + end, most - end]
-    }
-
-    /// Whether a stop may hold a rod of this length, m.
-    pub(in super::super) fn is_near_end(&self, length: f64) -> bool {
-        let [least, most] = self.inner_stroke();
-        !(least..=most).contains(&length)
     }
 }
