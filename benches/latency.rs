@@ -14,7 +14,7 @@ use tertius::alarm::OwnFrame;
 use tertius::appliance::flight::FlightPlan;
 use tertius::appliance::history::Kept;
 use tertius::appliance::http::DeskPlan;
-use tertius::appliance::mqtt::MqttPlan;
+use tertius::appliance::outputs::OutputPlan;
 use tertius::appliance::realtime;
 use tertius::appliance::store::StorePlan;
 use tertius::appliance::surroundings::{Appliance, Keeping, SitePlan};
@@ -180,21 +180,6 @@ fn keeping(path: &Path, loaded: &Loaded, design: &MonitorDesign) -> Keeping {
     }
 }
 
-fn publishing(loaded: &Loaded) -> Option<MqttPlan> {
-    let mqtt = &loaded.settings.mqtt;
-    let (host, port) = mqtt.address()?;
-    Some(MqttPlan {
-        host: host.to_owned(),
-        port,
-        topic: mqtt.topic.clone(),
-        login: None,
-        authority: None,
-        period: Duration::from_secs_f64(mqtt.period),
-        store: loaded.store_path.clone(),
-        sparkplug: None,
-    })
-}
-
 fn main() {
     let words: Vec<String> = std::env::args().filter(|word| !word.starts_with("--")).collect();
     let [_, path, wanted] = &words[..] else {
@@ -218,10 +203,8 @@ fn main() {
             recordings: keeping.flight.as_ref().map(|flight| flight.folder.clone()),
             ..DeskPlan::default()
         },
-        modbus: settings.modbus.address(),
-        opcua: settings.opcua.address(),
-        mqtt: publishing(&loaded),
-        ..SitePlan::default()
+        tls: None,
+        outputs: OutputPlan::new(path, &loaded),
     };
     appliance.starting(&path.display().to_string(), site, None);
     appliance.restore(&mut gateway, keeping);

@@ -59,7 +59,7 @@
 //!
 //! Features leave rooms out when they are off. All but two are on by default: `cli` has the commands, the program and what
 //! surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`], [`appliance::telemetry`]);
-//! `modbus` has [`appliance::modbus`] and `mqtt` [`appliance::mqtt`], which need `http`; `plots` has [`report`]; `learning`
+//! `modbus` has [`appliance::outputs::modbus`] and `mqtt` [`appliance::outputs::mqtt`], which need `http`; `plots` has [`report`]; `learning`
 //! has what learns from recordings and what assesses a monitor. `cli` needs all of them, and `demo`, which has the program
 //! with `tertius demo` alone. Without any there are the bus, the live monitor and the other crates. Two are off:
 //! `parquet` has the results of a replay as tables in Parquet files, and `opcua` the server of OPC UA.

@@ -12,7 +12,7 @@ use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::http::{DeskPlan, LoginLimits};
 use crate::appliance::logging::{self, LogFormat};
-use crate::appliance::mqtt::{Authority, EdgeNode, MqttPlan};
+use crate::appliance::outputs::OutputPlan;
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePlan};
@@ -142,9 +142,7 @@ fn prepare(
             recordings: flight.as_ref().map(|flight| flight.folder.clone()),
             patient: Some(doctor::wanted(&machine, path)),
         },
-        modbus: settings.modbus.address(),
-        opcua: settings.opcua.address(),
-        mqtt: mqtt_plan(path, &machine),
+        outputs: OutputPlan::new(path, &machine.loaded),
     };
     let keeping = Keeping { history, store, flight };
     Ok(PreparedGateway {
@@ -171,26 +169,6 @@ pub fn not_built(settings: &Settings) -> Option<String> {
              install --locked --path . --features opcua; or set opcua.listen = \"off\"",
             settings.opcua.listen
         )
-    })
-}
-
-/// What is published over MQTT, with files relative to the configuration `path`.
-fn mqtt_plan(path: &Path, machine: &Machine) -> Option<MqttPlan> {
-    let mqtt = &machine.loaded.settings.mqtt;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let (host, port) = mqtt.address()?;
-    let password = mqtt.password.as_ref().map(|password| folder.join(password));
-    Some(MqttPlan {
-        host: host.to_owned(),
-        port,
-        topic: mqtt.topic.clone(),
-        login: mqtt.user.clone().zip(password),
-        authority: mqtt.authority.as_deref().map(|name| Authority::named(name, folder)),
-        period: Duration::from_secs_f64(mqtt.period),
-        store: machine.loaded.store_path.clone(),
-        sparkplug: mqtt
-            .edge()
-            .map(|(group, node)| EdgeNode { group: group.to_owned(), node: node.to_owned() }),
     })
 }
 

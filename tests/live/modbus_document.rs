@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 use std::{env, fs};
-use tertius::appliance::modbus::map::described;
-use tertius::appliance::modbus::sheet::RegisterEntry;
+use tertius::appliance::outputs::modbus::map::described;
+use tertius::appliance::outputs::modbus::sheet::RegisterEntry;
 use tertius_testing::oracle::top;
 
 const BEGIN: &str =

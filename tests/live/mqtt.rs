@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tempfile::TempDir;
-use tertius::appliance::mqtt::{Authority, MqttPlan, MqttPublisher};
+use tertius::appliance::outputs::mqtt::{Authority, MqttPlan, MqttPublisher};
 use tertius::appliance::store::{Cause, Clerk, EventKind, StorePlan, StoreReader};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;

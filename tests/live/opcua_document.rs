@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 use std::{env, fs};
-use tertius::appliance::modbus::map::described;
+use tertius::appliance::outputs::modbus::map::described;
 use tertius::appliance::telemetry::points::{Point, PointKind, PointUnit, Points};
 use tertius::appliance::telemetry::snapshot::Snapshot;
 use tertius_testing::oracle::top;

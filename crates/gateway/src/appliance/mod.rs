@@ -5,17 +5,7 @@ mod aside;
 #[cfg(any(feature = "surroundings", feature = "mqtt"))]
 mod durable;
 pub mod http;
-#[cfg(feature = "modbus")]
-pub mod modbus;
-#[cfg(feature = "mqtt")]
-pub mod mqtt;
-#[cfg(feature = "opcua")]
-pub mod opcua;
-#[cfg(all(feature = "surroundings", not(feature = "opcua")))]
-#[path = "without_opcua.rs"]
-pub mod opcua;
-#[cfg(any(feature = "modbus", feature = "opcua"))]
-mod patience;
+pub mod outputs;
 pub mod realtime;
 pub mod store;
 pub mod telemetry;

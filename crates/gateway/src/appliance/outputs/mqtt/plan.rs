@@ -1,6 +1,7 @@
 //! Where and as whom the publisher connects.
 
 use super::sparkplug::EdgeNode;
+use crate::appliance::outputs::OutputPlan;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
@@ -75,6 +76,26 @@ pub enum MqttFileError {
 }
 
 impl MqttPlan {
+    /// What the configuration has published; `None`: nothing.
+    pub fn of(plan: &OutputPlan) -> Option<Self> {
+        let mqtt = &plan.settings.mqtt;
+        let (host, port) = mqtt.address()?;
+        let password = mqtt.password.as_ref().map(|password| plan.folder.join(password));
+        let authority = mqtt.authority.as_deref();
+        let edge = mqtt.edge();
+        Some(Self {
+            host: host.to_owned(),
+            port,
+            topic: mqtt.topic.clone(),
+            login: mqtt.user.clone().zip(password),
+            authority: authority.map(|name| Authority::named(name, &plan.folder)),
+            period: Duration::from_secs_f64(mqtt.period),
+            store: plan.store.clone(),
+            sparkplug: edge
+                .map(|(group, node)| EdgeNode { group: group.to_owned(), node: node.to_owned() }),
+        })
+    }
+
     /// Client identifier: another one for each gateway of a broker, as the topic is.
     pub fn client(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The server is a thread of its own, which only reads what the data path has stored: the data path never waits for
-//! its clients. docs/OPCUA.md lists the nodes, which follow from [`points`](super::telemetry::points).
+//! its clients. docs/OPCUA.md lists the nodes, which follow from [`points`](crate::appliance::telemetry::points).
 
 mod alarms;
 mod condition;
@@ -18,8 +18,10 @@ mod space;
 mod values;
 mod watch;
 
-use super::realtime;
-use super::telemetry::Recorder;
+#[cfg(feature = "surroundings")]
+use super::listening::{ServedProtocol, StateServer};
+use crate::appliance::realtime;
+use crate::appliance::telemetry::Recorder;
 use opcua::server::node_manager::ServerContext;
 use opcua::server::node_manager::memory::{CoreNodeManagerBuilder, InMemoryNodeManagerBuilder};
 use opcua::server::{ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint};
@@ -31,6 +33,8 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
+#[cfg(feature = "surroundings")]
+use tertius_config::settings::Settings;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tracing::subscriber::{NoSubscriber, set_default};
@@ -109,6 +113,28 @@ impl OpcuaServer {
     /// Address that the server listens on.
     pub const fn address(&self) -> SocketAddr {
         self.address
+    }
+}
+
+#[cfg(feature = "surroundings")]
+impl StateServer for OpcuaServer {
+    const PROTOCOL: ServedProtocol = ServedProtocol {
+        name: "OPC UA",
+        title: "OPC UA, read only: opc.tcp://",
+        warning: "nothing is asked of them or encrypted",
+        key: "opcua.listen",
+    };
+
+    fn wanted(settings: &Settings) -> Option<SocketAddr> {
+        settings.opcua.address()
+    }
+
+    fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
+        Self::start(listen, recorder)
+    }
+
+    fn address(&self) -> SocketAddr {
+        self.address()
     }
 }
 

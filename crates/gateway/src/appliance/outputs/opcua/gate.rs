@@ -1,6 +1,6 @@
 //! What lets clients through to the server: few at a time, at a pace, and as long as they are not silent.
 
-use crate::appliance::patience::Patience;
+use crate::appliance::outputs::patience::Patience;
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use std::sync::Arc;

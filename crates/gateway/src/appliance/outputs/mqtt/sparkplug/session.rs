@@ -3,10 +3,10 @@
 use super::EdgeNode;
 use super::births::{Message, Published};
 use super::payload::{Metric, MetricValue, Payload};
-use crate::appliance::mqtt::link::{Link, within};
-use crate::appliance::mqtt::pulse::Pulse;
-use crate::appliance::mqtt::session::{Desk, KEEP_ALIVE, LOOK, WINDOW, agreed};
-use crate::appliance::mqtt::trouble::MqttTrouble;
+use crate::appliance::outputs::mqtt::link::{Link, within};
+use crate::appliance::outputs::mqtt::pulse::Pulse;
+use crate::appliance::outputs::mqtt::session::{Desk, KEEP_ALIVE, LOOK, WINDOW, agreed};
+use crate::appliance::outputs::mqtt::trouble::MqttTrouble;
 use crate::appliance::telemetry::points::Points;
 use prost::Message as _;
 use rumqttc::v5::mqttbytes::QoS;
@@ -36,7 +36,7 @@ const EVENT: &str = "event";
 const IGNORED: &str = "commands_ignored";
 
 /// A connection, from its begin to its end.
-pub(in crate::appliance::mqtt) struct SparkplugSession {
+pub(in crate::appliance::outputs::mqtt) struct SparkplugSession {
     desk: Desk,
     edge: EdgeNode,
     link: Link,

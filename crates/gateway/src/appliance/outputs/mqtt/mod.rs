@@ -18,8 +18,9 @@ mod session;
 mod sparkplug;
 mod trouble;
 
-use super::realtime;
-use super::telemetry::Recorder;
+use super::{Output, OutputPlan};
+use crate::appliance::realtime;
+use crate::appliance::telemetry::Recorder;
 use cursor::Cursor;
 pub use plan::{Authority, MqttFileError, MqttPlan};
 use session::{Desk, Session};
@@ -29,7 +30,7 @@ use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
-use tracing::warn;
+use tracing::{info, warn};
 use trouble::MqttTrouble;
 
 /// Stack of the thread, bytes.
@@ -89,6 +90,37 @@ impl MqttPublisher {
         };
         std::thread::Builder::new().name("mqtt".to_owned()).stack_size(STACK_SIZE).spawn(work)?;
         Ok(Self { _stop: stop })
+    }
+}
+
+/// The publisher, and its plan.
+#[derive(Debug, Default)]
+pub struct MqttOutput(Option<(MqttPlan, MqttPublisher)>);
+
+impl Output for MqttOutput {
+    fn follow(&mut self, plan: &OutputPlan, recorder: &Recorder) {
+        let wanted = MqttPlan::of(plan);
+        if self.0.as_ref().map(|(plan, _)| plan) == wanted.as_ref() {
+            return;
+        }
+        // The one before goes first: a broker knows both by the same name.
+        if self.0.take().is_some() && wanted.is_none() {
+            info!("nothing is published over MQTT any more");
+        }
+        let Some(plan) = wanted else { return };
+        if plan.store.is_none() {
+            info!("without `store.file` no events are published over MQTT, only the state");
+        }
+        if plan.login.is_some() && plan.authority.is_none() {
+            warn!(
+                "the password for {}:{} is sent unencrypted; `mqtt.authority` encrypts",
+                plan.host, plan.port
+            );
+        }
+        match MqttPublisher::start(plan.clone(), recorder) {
+            Ok(publisher) => self.0 = Some((plan, publisher)),
+            Err(error) => warn!("nothing is published over MQTT: {error}"),
+        }
     }
 }
 

@@ -7,16 +7,20 @@ pub mod map;
 mod service;
 pub mod sheet;
 
+#[cfg(feature = "surroundings")]
+use super::listening::{ServedProtocol, StateServer};
 use super::patience::Patience;
-use super::realtime;
-use super::telemetry::Recorder;
-use super::telemetry::Telemetry;
-use super::telemetry::clock::Clock;
+use crate::appliance::realtime;
+use crate::appliance::telemetry::Recorder;
+use crate::appliance::telemetry::Telemetry;
+use crate::appliance::telemetry::clock::Clock;
 use service::{PACE, Reading};
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
+#[cfg(feature = "surroundings")]
+use tertius_config::settings::Settings;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, oneshot};
 use tokio_modbus::server::tcp::Server;
@@ -82,6 +86,28 @@ impl ModbusServer {
     /// Address that the server listens on.
     pub const fn address(&self) -> SocketAddr {
         self.address
+    }
+}
+
+#[cfg(feature = "surroundings")]
+impl StateServer for ModbusServer {
+    const PROTOCOL: ServedProtocol = ServedProtocol {
+        name: "Modbus",
+        title: "Modbus TCP, read only: ",
+        warning: "Modbus knows no login",
+        key: "modbus.listen",
+    };
+
+    fn wanted(settings: &Settings) -> Option<SocketAddr> {
+        settings.modbus.address()
+    }
+
+    fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
+        Self::start(listen, recorder)
+    }
+
+    fn address(&self) -> SocketAddr {
+        self.address()
     }
 }
 
