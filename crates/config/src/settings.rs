@@ -28,8 +28,8 @@ pub use cylinder::Cylinder;
 pub use device::{Device, DeviceKind, Role, object_name};
 use estimate::ESTIMATE;
 pub use estimate::Estimate;
-use gateway::{GATEWAY, HTTP, LINES, MODBUS, MQTT, OPCUA, REALTIME, STORE};
-pub use gateway::{Gateway, Http, Lines, Modbus, Mqtt, Opcua, Realtime, Store};
+use gateway::{GATEWAY, HTTP, MODBUS, MQTT, OPCUA, REALTIME, STORE};
+pub use gateway::{Gateway, Http, Modbus, Mqtt, Opcua, Realtime, Store};
 use hexapod::HEXAPOD;
 pub use hexapod::Hexapod;
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
@@ -87,8 +87,6 @@ table! {
             "", "CANopen: the gateway as a node, and devices on the bus";
         http: Http = Http::default() => Kind::Table(&HTTP),
             "", "the gateway's own state over HTTP";
-        lines: Lines = Lines::default() => Kind::Table(&LINES),
-            "", "the machine's state as lines";
         modbus: Modbus = Modbus::default() => Kind::Table(&MODBUS),
             "", "the machine's state over Modbus TCP";
         opcua: Opcua = Opcua::default() => Kind::Table(&OPCUA),

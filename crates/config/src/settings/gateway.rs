@@ -51,15 +51,6 @@ table! {
 }
 
 table! {
-    /// The machine's state, a line a connection.
-    pub struct Lines = LINES {
-        /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
-        listen: String = super::LISTEN_OFF.to_owned() => text(TextRule::Listen),
-            "\"off\"", "where the machine's state can be read as a line, ADDRESS:PORT; or off";
-    }
-}
-
-table! {
     /// OPC UA server of the machine's state and alarms.
     pub struct Opcua = OPCUA {
         /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
@@ -137,13 +128,6 @@ impl Mqtt {
 
 impl Modbus {
     /// Address to listen on; `None` if Modbus is off.
-    pub fn address(&self) -> Option<SocketAddr> {
-        self.listen.parse().ok()
-    }
-}
-
-impl Lines {
-    /// Address to listen on; `None` if it is off.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.parse().ok()
     }

@@ -4,8 +4,6 @@
 //! declaration, and its line in [`outputs`].
 
 #[cfg(feature = "surroundings")]
-mod lines;
-#[cfg(feature = "surroundings")]
 mod listening;
 #[cfg(feature = "modbus")]
 pub mod modbus;
@@ -29,6 +27,5 @@ pub fn outputs() -> Vec<Box<dyn Output>> {
         #[cfg(feature = "opcua")]
         Box::<listening::Listening<opcua::OpcuaServer>>::default(),
         Box::<mqtt::MqttOutput>::default(),
-        Box::<listening::Listening<lines::LineServer>>::default(),
     ]
 }
