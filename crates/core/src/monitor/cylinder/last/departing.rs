@@ -76,7 +76,8 @@ impl Cylinder {
             (Compared::Alone(i), None) => {
                 let fault = Fault::Incipient;
                 let departs = Some(since);
-                last.of[i].latch = Some(Latch { fault, residual, threshold, off: None, departs });
+                last.of[i].latch =
+                    Some(Latch { fault, residual, threshold, off: None, is_back: false, departs });
             }
             (_, None) => {
                 let (off, limit) = (residual, threshold);

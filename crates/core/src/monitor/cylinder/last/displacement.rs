@@ -17,11 +17,13 @@ pub struct Latch {
     pub threshold: f64,
     /// What its steps add up to, m; `None` where it did not begin with a step.
     pub off: Option<f64>,
+    /// Whether the last of them has brought it back, as the rod's way shows.
+    pub is_back: bool,
     /// Since when the reading departs from dead reckoning, where that showed it.
     pub departs: Option<Timestamp>,
 }
 
-whole! { Latch { fault, residual, threshold, off, departs } }
+whole! { Latch { fault, residual, threshold, off, is_back, departs } }
 
 /// A displacement that was confirmed, m, signed.
 #[derive(Clone, Copy, Debug, PartialEq)]

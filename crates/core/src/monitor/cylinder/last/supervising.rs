@@ -144,24 +144,29 @@ impl Cylinder {
         } else {
             let fault = found.map_or(Fault::Unclassified, |found| found.fault);
             let (residual, off) = (displacement.innovation(), displacement.step());
-            watched.latch = Some(Latch { fault, residual, threshold: high, off, departs: None });
+            watched.latch = Some(Latch {
+                fault,
+                residual,
+                threshold: high,
+                off,
+                is_back: false,
+                departs: None,
+            });
         }
         if self.last.was_apart {
             self.join(i, cycle);
         }
     }
 
-    /// Takes another displacement of transducer `i`, which is latched. Ends the latch where the reading is back by as much
+    /// Takes another displacement of transducer `i`, which is latched. The latch is over where the reading is back by as much
     /// as it had stepped, and the rod's way shows that step, too: a rod that catches up looks the same to the observer.
     fn take_return(&mut self, i: usize, displacement: Displacement) {
         let has_joined = self.last.has_joined || self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let Some(latch) = &mut watched.latch else { return };
         latch.off = latch.off.zip(displacement.step()).map(|(off, step)| off + step);
-        let is_back = latch.off.is_some_and(|off| off.abs() <= latch.threshold);
-        if is_back && watched.jump.is_some() && !has_joined {
-            self.last.release();
-        }
+        let is_small = latch.off.is_some_and(|off| off.abs() <= latch.threshold);
+        latch.is_back = is_small && watched.jump.is_some() && !has_joined;
     }
 
     /// Takes that transducer `i` was displaced while the other one stood off: where they agree since, neither can be relied
@@ -203,8 +208,16 @@ impl Cylinder {
         jump.is_none_or(|jump| jump.abs() >= self.design.last.stays * own.abs())
     }
 
-    /// Ends the latch when the other transducer is back, and both agree.
+    /// Ends the latch when the other transducer is back, and both agree, or when the last one has stepped back.
     fn release_last(&mut self) {
+        // Until its observer is quiet the step back is the transducer's, as the step was.
+        let detections = self.fde.bank.detections();
+        let has_returned = |i: usize| {
+            detections[i].is_none() && self.last.of[i].latch.is_some_and(|it| it.is_back)
+        };
+        if has_returned(0) || has_returned(1) {
+            return self.last.release();
+        }
         let is_back = |i: usize| {
             self.has(Transducer::ALL[i])
                 && !self.readings.is_implausible(i)
