@@ -75,8 +75,6 @@ pub struct VerdictParameters {
     pub frequent: [f64; 2],
     /// Part of a residual from which the other observer sees it, too, and the model errs; 0.3 to 0.7.
     pub shared: f64,
-    /// Factor on [`Self::lasting`] where the other observer sees all of it; 1 to 3.
-    pub longer_shared: u32,
 }
 
 impl VerdictParameters {
@@ -98,7 +96,6 @@ impl VerdictParameters {
         again: 3,
         frequent: [20.0, 6.0],
         shared: 0.5,
-        longer_shared: 2,
     };
 
     /// [`Self::lasting`] of a machine whose thresholds, or whose sequential detector, were learnt; the thesis's thresholds

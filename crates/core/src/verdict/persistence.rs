@@ -17,11 +17,9 @@ struct Exceeded {
     /// The one of largest magnitude, m.
     largest: f64,
     samples: u32,
-    /// Those of them that the other observer sees, too.
-    shared: u32,
 }
 
-whole! { Exceeded { at, first, largest, samples, shared } }
+whole! { Exceeded { at, first, largest, samples } }
 
 /// A residual in a cycle, m.
 #[derive(Clone, Copy, Debug)]
@@ -148,25 +146,16 @@ impl Persistence {
             self.wild.rotate_left(1);
             self.wild[KEPT_WILD - 1] = Some(wild.at);
         }
-        let began = exceeds.then_some(Exceeded {
-            at,
-            first: stands,
-            largest: residual,
-            samples: 0,
-            shared: 0,
-        });
+        let began =
+            exceeds.then_some(Exceeded { at, first: stands, largest: residual, samples: 0 });
         self.exceeded = before.or(began);
-        let (needed, is_shared) = (self.needed(at), self.is_shared(&sample));
+        let needed = self.needed(at);
         let exceeded = self.exceeded.as_mut()?;
         exceeded.samples += 1;
-        exceeded.shared += u32::from(is_shared);
         if residual.abs() > exceeded.largest.abs() {
             exceeded.largest = residual;
         }
-        let Exceeded { at: since, largest, samples, shared, .. } = *exceeded;
-        // Transducers that are sampled together, a millisecond beside Sync now and then, are off by what the rod moves in it.
-        let is_of_both = shared == samples && !self.is_immediate();
-        let needed = if is_of_both { self.parameters.longer_shared * needed } else { needed };
+        let Exceeded { at: since, largest, samples, .. } = *exceeded;
         let lasting = if samples >= needed {
             Lasting { since, largest }
         } else if exceeds {
@@ -301,24 +290,6 @@ mod tests {
         assert_eq!(goes_on(&[1.5, 1.4, 1.3, 0.2]), 1);
         let noise: Vec<f64> = (0..30).map(|k| [0.2, 1.5, 0.1, -0.3][k % 4]).collect();
         assert!(goes_on(&noise) >= 4);
-    }
-
-    /// Both transducers are sampled a millisecond late for a few cycles, while the rod goes 0.5 m/s.
-    #[test]
-    fn what_both_observers_see_has_to_stay_for_twice_as_long() {
-        let is_found = |cycles: usize, others: f64, samples: u32| {
-            let mut persistence = Persistence::new(samples, P);
-            (0..30).any(|k| {
-                let residual = if k < cycles { 1.5 } else { 0.1 };
-                let other = Some(others * residual);
-                let sample = ResidualSample { residual, stands: None, other };
-                let at = Timestamp::from_nanos(k as i64 * CYCLE);
-                persistence.take(at, sample, residual > 1.0).is_some()
-            })
-        };
-        assert!(is_found(3, 0.1, 3) && !is_found(2, 0.1, 3));
-        assert!(is_found(6, 0.9, 3) && !is_found(5, 0.9, 3));
-        assert!(is_found(1, 0.9, 1), "the thesis's thresholds count at once");
     }
 
     /// A load that doubles lets the rod swing: both observers see it.
