@@ -175,6 +175,9 @@ fn the_latch_ends_when_the_rods_way_shows_that_the_reading_stepped_back() {
             None => n > 4,
         };
         assert!(latched && is_right, "cylinder {n}: {latched}, {after:?} s");
+        // Dead reckoning has seen both steps, too.
+        let again = if n <= 4 { own.next() } else { None };
+        assert_eq!(again, None, "cylinder {n}");
     }
 }
 

@@ -208,6 +208,14 @@ impl Cylinder {
         jump.is_none_or(|jump| jump.abs() >= self.design.last.stays * own.abs())
     }
 
+    /// Ends the latches. Dead reckoning would take the step for a departure, which it saw as well.
+    fn release_latches(&mut self) {
+        self.last.release();
+        if let Some(reckoning) = &mut self.reckoning {
+            reckoning.forget();
+        }
+    }
+
     /// Ends the latch when the other transducer is back, and both agree, or when the last one has stepped back.
     fn release_last(&mut self) {
         // Until its observer is quiet the step back is the transducer's, as the step was.
@@ -216,7 +224,7 @@ impl Cylinder {
             detections[i].is_none() && self.last.of[i].latch.is_some_and(|it| it.is_back)
         };
         if has_returned(0) || has_returned(1) {
-            return self.last.release();
+            return self.release_latches();
         }
         let is_back = |i: usize| {
             self.has(Transducer::ALL[i])
@@ -227,7 +235,7 @@ impl Cylinder {
         let differ =
             self.last.has_joined || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         if self.last.any_latched() && is_back(0) && is_back(1) && agree && !differ {
-            self.last.release();
+            self.release_latches();
         }
     }
 
@@ -246,7 +254,7 @@ impl Cylinder {
             self.last.is_latched(i) || self.last.shared.is_some() || i == 0 && self.tilted.is_some()
         };
         if (0..2).any(is_out) && (0..2).all(|i| !is_out(i) || agrees(i)) {
-            self.last.release();
+            self.release_latches();
             self.tilted = None;
         }
     }
