@@ -57,12 +57,11 @@
 //! global. Therefore a replay agrees with the gateway. Tertius deliberately does not act on the
 //! machine: it advises, and the machine's own safety system acts.
 //!
-//! Features leave rooms out when they are off. All but two are on by default: `cli` has the commands, the program and what
-//! surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`], [`appliance::telemetry`]);
-//! `modbus` has [`appliance::outputs::modbus`] and `mqtt` [`appliance::outputs::mqtt`], which need `http`; `plots` has [`report`]; `learning`
-//! has what learns from recordings and what assesses a monitor. `cli` needs all of them, and `demo`, which has the program
-//! with `tertius demo` alone. Without any there are the bus, the live monitor and the other crates. Two are off:
-//! `parquet` has the results of a replay as tables in Parquet files, and `opcua` the server of OPC UA.
+//! Features leave rooms out when they are off. All but two are on by default: `cli` has the commands and [`appliance`], `plots`
+//! has [`report`], `learning` has what learns from recordings and what assesses a monitor, and `zstd` reads compressed
+//! recordings. `cli` needs all of them, and `demo`, which has the program with `tertius demo` alone. Without any there are the
+//! bus, the live monitor and the other crates. Two are off: `parquet` has the results of a replay as tables in Parquet files,
+//! and `opcua` the server of OPC UA.
 //!
 //! Frames in, warnings out:
 //!
@@ -131,7 +130,7 @@ pub use tertius_core::{
     process, sample, sequential, text, time, verdict,
 };
 pub use tertius_dbc as dbc;
-#[cfg(feature = "http")]
+#[cfg(feature = "cli")]
 pub use tertius_gateway::appliance;
 pub use tertius_gateway::{alarm_list, live};
 #[cfg(feature = "learning")]

@@ -151,7 +151,10 @@ fn the_latch_ends_when_the_rods_way_shows_that_the_reading_stepped_back() {
         let step = format!("{fault},until={}", end(n));
         // Of cylinder 5 it comes back by half, and of cylinder 6 not at all.
         let half = format!("step,cylinder=5,sensor=c2,at={},size=0.0125", end(5));
+        // Of cylinder 4 both are off alike before C1 is lost, from where C2 steps on.
+        let alike = ["c1", "c2"].map(|it| format!("step,cylinder=4,sensor={it},at=330,size=0.02"));
         match n {
+            4 => [&alike[..], &[lost, step]].concat(),
             5 => vec![lost, step, half],
             6 => vec![lost, fault],
             _ => vec![lost, step],
@@ -163,10 +166,13 @@ fn the_latch_ends_when_the_rods_way_shows_that_the_reading_stepped_back() {
     let log = yard.inject(&log, "faulty.log", &faults);
     let run = tertius(&["replay", &log, "--config", &config, "--format", "jsonl"]);
     let records = run.stdout.lines().map(|it| serde_json::from_str::<Value>(it).expect("JSON"));
-    let of_c2 = |it: &Value| it["type"] == "warning" && it["suspect"] == "c2";
-    let warnings: Vec<_> = records.filter(of_c2).collect();
+    let warnings: Vec<_> = records.filter(|it| it["type"] == "warning").collect();
+    let of_fde1 = |it: &&Value| it["cylinder"] == 4 && it["detector"] == "fde1";
+    let alike = warnings.iter().rfind(of_fde1).expect("both jumped");
+    assert_eq!([&alike["by"], &alike["suspect"]], ["both-jump", "process"], "{alike}");
+    assert_ne!(alike["state"], "cleared", "C2 is back where both are off");
     for n in 1..=6 {
-        let mut own = warnings.iter().filter(|it| it["cylinder"] == n);
+        let mut own = warnings.iter().filter(|it| it["cylinder"] == n && it["suspect"] == "c2");
         let latched = own.any(|it| it["level"] == "black");
         let cleared = own.find(|it| it["state"] == "cleared").map(|it| it["t"].as_f64());
         let after = cleared.map(|it| it.expect("a time") - end(n));

@@ -9,6 +9,7 @@ use std::fs;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
+use tertius::appliance::outputs::StateServer;
 use tertius::appliance::outputs::modbus::ModbusServer;
 use tertius::appliance::outputs::mqtt::{MqttPlan, MqttPublisher};
 use tertius::bus::embedded::{BusState, Endpoint};

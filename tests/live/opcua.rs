@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
+use tertius::appliance::outputs::StateServer;
 use tertius::appliance::outputs::opcua::{NAMESPACE, OpcuaServer};
 use tertius::appliance::telemetry::points::{Point, PointKind, Points};
 use tertius::appliance::telemetry::snapshot::Snapshot;

@@ -5,6 +5,7 @@ use crate::modbus::{self, DELAY, Values, offset};
 use crate::mqtt::{Kept, plan, publisher};
 use serde_json::{Value, json};
 use std::time::Duration;
+use tertius::appliance::outputs::StateServer;
 use tertius::appliance::outputs::modbus::ModbusServer;
 use tertius::appliance::outputs::mqtt::{EdgeNode, MqttPlan};
 use tertius::appliance::telemetry::points::{Point, PointKind, Points};

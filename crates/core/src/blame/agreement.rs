@@ -16,8 +16,8 @@ use crate::state::whole;
 
 const P: &BlameParameters = &BlameParameters::DEFAULT;
 
-/// Whether the observer of the `other` transducer sees less than [`BlameParameters::alone`] of the residual `own`, m: an error of the model is in
-/// both. Where the other one does not judge nothing is known.
+/// Whether the observer of the `other` transducer sees less than [`BlameParameters::alone`] of the residual `own`, m: an error
+/// of the model is in both. Where the other one does not judge, nothing is known.
 pub fn is_alone(own: f64, other: Option<f64>) -> bool {
     other.is_some_and(|other| other.abs() < P.alone * own.abs())
 }

@@ -27,7 +27,9 @@ pub struct EstimateParameters {
     /// No rod is faster, m/s; above what the machine's cylinders reach. A length that is not followed for a
     /// cycle may have gone so far.
     pub fastest: f64,
-    /// An error of the last transducer that its supervision just does not find is this many deviations of the estimate.
+    /// The largest error of the last transducer that its supervision does not find is this many deviations of the estimate; 2
+    /// to 4. A user takes an estimate for wrong beyond three. Without it a step of 1.25 mm made 232 of 240 estimates valid and
+    /// wrong.
     pub unseen: f64,
     /// Standard deviations of the usual difference by which the two halves of a step's time may be apart, and by which a
     /// difference may scatter within a half; 2 to 5. What fluctuates now and then stays below, a drift that matters within

@@ -59,7 +59,7 @@ pub struct SensorInput {
     pub process: bool,
     /// What both readings may be off by alike, m.
     pub departs: f64,
-    /// The largest step of the only transducer that is left, m, that nothing would find.
+    /// The largest step, m, of the only transducer that is left that its supervision would not find.
     pub unseen: f64,
     /// Transducers that are blamed for a step, and for nothing else.
     pub displaced: [bool; 2],
@@ -248,7 +248,7 @@ impl VirtualSensor {
         Some(self.judged(x[0], variance, source, source == Source::Both || alone))
     }
 
-    /// Variance of what nothing would find of the only transducer that is left, m².
+    /// Variance of an error of the last transducer that its supervision would not find, m².
     fn unseen(&self, input: &SensorInput) -> f64 {
         let sigma = input.unseen / self.design.parameters.unseen;
         sigma * sigma

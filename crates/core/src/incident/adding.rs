@@ -61,8 +61,7 @@ impl Incident {
     }
 
     /// Takes that the warning at a place has turned out at `at` to be about another fault. Returns its part if it was raised for
-    /// that fault alone; otherwise the part stays. The level stays, too: it was
-    /// reported.
+    /// that fault alone; otherwise the part stays. The level stays in either case, since it was reported.
     pub(super) fn give_up(&mut self, place: usize, at: Timestamp) -> Option<Part> {
         let part = self.parts[place].as_mut()?;
         part.stands = false;

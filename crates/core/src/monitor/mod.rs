@@ -168,6 +168,7 @@ impl Monitor {
     pub fn platform(&self) -> Option<i64> {
         self.gate.number(self.last?)
     }
+
     fn reckon_due(&mut self) {
         let cycle = self.clock.due().map(Due::at);
         let times = [cycle, self.register.due()].into_iter().flatten();

@@ -1,16 +1,16 @@
 //! What frames and readings are judged by before anything is calculated from them: every number of the family, with its
 //! unit, source and range.
 //!
-//! A place takes one frame in a cycle, and a Sync opens one. What is told from frames is therefore counted in them, or in
-//! cycles, at every rate: it takes as many to tell a habit from an accident, however fast they come.
+//! A place takes one frame in a cycle, and a Sync opens one. Habits of a sender are therefore counted in frames or cycles at
+//! every rate: it takes as many of them to distinguish a habit from an accident, however fast they come.
 
 /// Numbers by which a frame is assigned to a cycle, and by which it is doubted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArrivalParameters {
     /// Most cycles by which a frame can be late; 3 to 10. An alive counter that is further off is another count.
     pub latest: i64,
-    /// Longest silence, in cycles, after which what was sent in it may come all at once, as from a computer that stalled; 16
-    /// to 64. In cycles, as the counter shows it.
+    /// Longest silence, in cycles, after which all its frames may come at once, as from a computer that stalled; 16 to 64. In
+    /// cycles, as the counter shows it.
     pub backlog: u64,
     /// Frames in a row that fit each other after which a counter is trusted again; 8 to 32. A counter of four bits has then
     /// come round.
@@ -64,7 +64,7 @@ impl ArrivalParameters {
 /// Numbers by which Sync is followed, and by which it is doubted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SyncParameters {
-    /// The grid of cycles moves by one part in so many of an opening's deviation, once it has followed as many; 8 to 32.
+    /// Divisor of an opening's deviation by which the grid of cycles moves, once it has followed as many openings; 8 to 32.
     /// With 16 the Sync may run one per cent faster or slower than this clock and still deviate by less than a quarter of a
     /// sample time.
     pub slowness: i64,

@@ -6,7 +6,7 @@ use super::windows::{Few, NARROW_WINDOWS, Sums, VALUES, WIDE_EVERY, WIDTHS, add}
 use crate::state::whole;
 use core::ops::Range;
 
-/// So many windows are of samples at rest, too.
+/// Number of windows, the narrowest ones, that are judged by samples at rest, too.
 const WINDOWS_AT_REST: usize = 5;
 
 const _: () = assert!(WIDTHS[WINDOWS_AT_REST - 1] <= AT_REST && WIDTHS[WINDOWS_AT_REST] > AT_REST);

@@ -8,7 +8,7 @@ use alloc::boxed::Box;
 pub const WIDTHS: [usize; 20] =
     [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024];
 
-/// The index of the window of so many samples, or of the next wider one.
+/// Index of the narrowest window that holds `width` samples.
 pub const fn window_of(width: usize) -> usize {
     let mut index = 0;
     while WIDTHS[index] < width {

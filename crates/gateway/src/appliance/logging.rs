@@ -5,12 +5,8 @@ use clap::ValueEnum;
 use std::io;
 use std::path::Path;
 use tertius_config::visible;
-use tracing::{Event, Subscriber};
 use tracing_appender::non_blocking::{NonBlocking, NonBlockingBuilder, WorkerGuard};
 use tracing_subscriber::fmt;
-use tracing_subscriber::fmt::FmtContext;
-use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
-use tracing_subscriber::registry::LookupSpan;
 
 /// Most lines that wait for a slow reader of the log; more are dropped, since the gateway never
 /// waits.
@@ -53,34 +49,11 @@ pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
     let log = fmt().with_writer(writer).with_target(false).with_ansi(false);
     match format {
         // A script that asks for more than the text also wants the module.
-        LogFormat::Json => log.json().with_target(true).map_event_format(Named).try_init(),
+        LogFormat::Json => log.json().with_target(true).try_init(),
         LogFormat::Text | LogFormat::Journal => log.try_init(),
     }
     .map_err(LogError::Started)?;
     Ok(guard)
-}
-
-/// Lines of JSON that name a module as the package `tertius` has it, whichever crate it is of.
-struct Named<F>(F);
-
-impl<S, N, F> FormatEvent<S, N> for Named<F>
-where
-    S: Subscriber + for<'a> LookupSpan<'a>,
-    N: for<'a> FormatFields<'a> + 'static,
-    F: FormatEvent<S, N>,
-{
-    fn format_event(
-        &self,
-        context: &FmtContext<'_, S, N>,
-        mut writer: Writer<'_>,
-        event: &Event<'_>,
-    ) -> std::fmt::Result {
-        let mut line = String::new();
-        self.0.format_event(context, Writer::new(&mut line), event)?;
-        // No text in the line looks like it: quotes are escaped there.
-        let [own, named] = [r#""target":"tertius_gateway::"#, r#""target":"tertius::"#];
-        writer.write_str(&line.replacen(own, named, 1))
-    }
 }
 
 /// Takes a line of the log with each write, in which nothing acts on a terminal and nothing begins another line.
@@ -105,30 +78,12 @@ fn worker(out: impl io::Write + Send + 'static) -> (NonBlocking, WorkerGuard) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs::{self, File};
     use std::io::Write;
-    use std::sync::Arc;
-    use tracing::info;
-    use tracing::subscriber::with_default;
 
     #[test]
     fn a_line_is_one_and_does_nothing_to_a_terminal() {
         let mut out = Plain(Vec::new());
         out.write_all("INFO open\u{1b}[2J\u{9b}m\nINFO forged\n".as_bytes()).expect("it is memory");
         assert_eq!(out.0, b"INFO open\\u001b[2J\\u009bm\\nINFO forged\n");
-    }
-
-    #[test]
-    fn a_line_of_json_names_modules_as_the_package_does() {
-        let folder = tempfile::tempdir().expect("there is room");
-        let path = folder.path().join("log");
-        let file = Arc::new(File::create(&path).expect("it can be made"));
-        let log = fmt().with_writer(file).json().with_target(true).map_event_format(Named);
-        let said = r#""target":"tertius_gateway::"#;
-        with_default(log.finish(), || info!("{said}"));
-        let text = fs::read_to_string(&path).expect("it is there");
-        let line: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
-        assert_eq!(line["target"], "tertius::appliance::logging::tests");
-        assert_eq!(line["fields"]["message"], said);
     }
 }

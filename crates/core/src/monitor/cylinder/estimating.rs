@@ -1,6 +1,7 @@
 //! The estimated length: what the virtual sensor is given in a cycle.
 
 use super::estimated::EstimatedLength;
+use super::findings::standing;
 use super::last::SharedDeparture;
 use super::{Cycle, Cylinder};
 use crate::alarm::Finding;
@@ -36,6 +37,15 @@ impl Cylinder {
         };
         let mut each = found.iter().enumerate().filter_map(|(k, it)| Some((k, it.as_ref()?)));
         !is_left(0) && !is_left(1) && each.any(is_late)
+    }
+
+    /// The largest step, m, of the transducer that is left that its observer would not find; 0 where two are left, or none.
+    fn unseen_step(&self, is_left: [bool; 2]) -> f64 {
+        match is_left {
+            [true, false] => self.last.least_step(0, &self.design),
+            [false, true] => self.last.least_step(1, &self.design),
+            _ => 0.0,
+        }
     }
 
     /// Estimates the length, after everything that blames a transducer in this cycle has done so.
@@ -74,27 +84,14 @@ impl Cylinder {
     }
 }
 
-impl Cylinder {
-    /// The largest step, m, of the transducer that is left that its observer alone would not find; 0 where two are.
-    fn unseen_step(&self, is_left: [bool; 2]) -> f64 {
-        match is_left {
-            [true, true] | [false, false] => 0.0,
-            [is_c1, _] => self.last.least_step(usize::from(!is_c1), &self.design),
-        }
-    }
-}
-
 /// Whether it is not known which of the two is wrong. What a stop finds of the only transducer is no such dispute.
 fn is_dispute(finding: &Finding) -> bool {
     finding.suspect == Suspect::Undecided && !finding.is_of_stop()
 }
 
-/// Whether a detector of a difference that stands names a transducer. An observer alone is raised by noise for a second: while
-/// coarse readings drifted apart that made the one that had drifted by 150 mm the one to rely on.
+/// Whether a detector of a difference that stands names a transducer.
 fn is_resolved(found: &[Option<Finding>; PLACES]) -> bool {
-    let names = |it: &Finding| matches!(it.suspect, Suspect::C1 | Suspect::C2);
-    let standing = [WarningPlace::Fde3, WarningPlace::Sequential];
-    standing.into_iter().any(|place| found[place as usize].as_ref().is_some_and(names))
+    standing(found).any(|it| matches!(it.suspect, Suspect::C1 | Suspect::C2))
 }
 
 /// Whether `suspect` is blamed for a step, and for nothing else.

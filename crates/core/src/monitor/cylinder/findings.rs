@@ -12,6 +12,13 @@ use crate::sequential::{Alarm, Sequential};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
+/// The findings of the detectors of a difference that stands. An observer alone is raised for a second by noise, too: while
+/// coarse readings drifted apart, that made the one that had drifted by 150 mm the one to rely on.
+pub(super) fn standing(found: &[Option<Finding>; PLACES]) -> impl Iterator<Item = &Finding> {
+    let places = [WarningPlace::Fde3, WarningPlace::Sequential];
+    places.into_iter().filter_map(|place| found[place as usize].as_ref())
+}
+
 impl Cylinder {
     /// Whether any detector has a finding now.
     pub fn finds_anything(&self) -> bool {

@@ -147,12 +147,12 @@ impl LastOne {
         design.bank.observer.high.max(self.usual_step(i, design))
     }
 
-    /// Ends the latches, because there is evidence that the readings are right.
+    /// Ends the latches, because there is evidence that the readings are right. Whether both are off alike is another question.
     fn release(&mut self) {
         for watched in &mut self.of {
             (watched.latch, watched.is_named) = (None, false);
         }
-        (self.has_joined, self.shared) = (false, None);
+        self.has_joined = false;
     }
 
     /// What is latched of transducer `i`.

@@ -1,7 +1,6 @@
 //! When the readings of a cylinder are compared with dead reckoning, and what becomes of a departure.
 
 use super::dead_reckoning::WaySource;
-use super::last::SharedDeparture;
 use super::{Cycle, Cylinder};
 use crate::process::Process;
 use crate::sequential::{Pair, Sequential};
@@ -74,7 +73,7 @@ impl Cylinder {
         let Some(reckoning) = &mut self.reckoning else { return };
         if is_explained {
             reckoning.forget();
-            self.last.shared = self.last.shared.filter(SharedDeparture::is_jump);
+            self.last.shared = self.last.shared.filter(|it| it.is_jump);
         } else if is_elsewhere {
             reckoning.pause();
         } else if let Some(error) = reckoning.judge(readings, compared, is_calm) {

@@ -31,7 +31,7 @@ pub struct SamplingParameters {
     pub sure: f64,
     /// What was told is over below this part of `least_apart`; 0 to 1, so that it does not come and go.
     pub over: f64,
-    /// All cylinders together are asked in every so many cycles; 1 to 25. In cycles, for it is a share of the work of a cycle.
+    /// Cycles from one comparison of all cylinders to the next; 1 to 25. In cycles, since it bounds the work of a cycle.
     pub every: u32,
     /// It takes up to so long until all cylinders together know, s; one of them may have an alarm first.
     pub shared: f64,

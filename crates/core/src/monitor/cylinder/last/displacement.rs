@@ -153,13 +153,10 @@ impl Watched {
     /// Takes what dead reckoning shows in the cycle in which a displacement is tried first. By a model that fits badly a rod at
     /// work has innovations like those of a jump, too.
     pub fn compare(&mut self, shown: Option<CourseJump>, stays: f64) {
-        let first = self.tried.map(|tried| tried.first);
-        self.jump = shown.zip(first).map(|(shown, first)| (shown, shown.error / first)).and_then(
-            |(shown, part)| {
-                let is_same =
-                    shown.error.abs() > shown.limit && (stays..1.0 / stays).contains(&part);
-                is_same.then_some(shown)
-            },
-        );
+        let Some(Tried { first, .. }) = self.tried else { return };
+        let is_same = |it: &CourseJump| {
+            it.error.abs() > it.limit && (stays..1.0 / stays).contains(&(it.error / first))
+        };
+        self.jump = shown.filter(is_same);
     }
 }

@@ -30,8 +30,4 @@ impl SharedDeparture {
     pub const fn size(&self) -> f64 {
         self.off.abs()
     }
-
-    pub const fn is_jump(&self) -> bool {
-        self.is_jump
-    }
 }

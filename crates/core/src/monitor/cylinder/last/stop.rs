@@ -38,6 +38,7 @@ impl Rest {
             self.stood = Some(self.mean());
         }
     }
+
     /// Whether the rod stands, after `stands` readings, within `far` of where it stood in health, m.
     pub fn agrees(&self, far: f64, stands: u32) -> bool {
         let now = self.stood.filter(|_| self.count >= stands);

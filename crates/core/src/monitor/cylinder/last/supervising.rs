@@ -2,8 +2,7 @@
 
 use super::displacement::{Displacement, Latch, Limits};
 use super::usual::MotionRange;
-use crate::alarm::Finding;
-use crate::alarm::detector::WarningPlace;
+use crate::monitor::cylinder::findings::standing;
 use crate::monitor::cylinder::{Cycle, Cylinder};
 use crate::sample::plausibility::NOWHERE;
 use crate::sample::{Quality, Transducer};
@@ -11,10 +10,6 @@ use crate::verdict::{Fault, Suspect, Verdict};
 
 /// Names of the two transducers.
 const NAMES: [Suspect; 2] = [Suspect::C1, Suspect::C2];
-
-/// Detectors of a difference that stands: what they blame is out. An observer alone is not asked, since it is raised for
-/// a second by noise, too.
-const STANDING: [WarningPlace; 2] = [WarningPlace::Fde3, WarningPlace::Sequential];
 
 /// While nothing is found, one innovation of this many cycles is taken, and counts for all of them: nearly as good, and
 /// cheaper.
@@ -80,12 +75,7 @@ impl Cylinder {
         let high = self.design.bank.difference.high;
         self.last.has_joined &= cycle.residuals.r[2].is_none_or(|it| it.abs() <= high);
         let findings = self.findings();
-        let blamed = |i: usize| {
-            let names = |place: WarningPlace| {
-                findings[place as usize].is_some_and(|it: Finding| it.suspect == NAMES[i])
-            };
-            STANDING.into_iter().any(names)
-        };
+        let blamed = |i: usize| standing(&findings).any(|it| it.suspect == NAMES[i]);
         for i in 0..2 {
             let is_doubtful = self.readings.quality(i) == Quality::Doubtful;
             let is_out = self.readings.is_implausible(i)
@@ -158,15 +148,14 @@ impl Cylinder {
         }
     }
 
-    /// Takes another displacement of transducer `i`, which is latched. The latch is over where the reading is back by as much
+    /// Takes another displacement of transducer `i`, which is latched. The reading is right again where it steps back by as much
     /// as it had stepped, and the rod's way shows that step, too: a rod that catches up looks the same to the observer.
     fn take_return(&mut self, i: usize, displacement: Displacement) {
-        let has_joined = self.last.has_joined || self.last.is_latched(1 - i);
         let watched = &mut self.last.of[i];
         let Some(latch) = &mut watched.latch else { return };
         latch.off = latch.off.zip(displacement.step()).map(|(off, step)| off + step);
         let is_small = latch.off.is_some_and(|off| off.abs() <= latch.threshold);
-        latch.is_back = is_small && watched.jump.is_some() && !has_joined;
+        latch.is_back = is_small && watched.jump.is_some();
     }
 
     /// Takes that transducer `i` was displaced while the other one stood off: where they agree since, neither can be relied
@@ -208,7 +197,8 @@ impl Cylinder {
         jump.is_none_or(|jump| jump.abs() >= self.design.last.stays * own.abs())
     }
 
-    /// Ends the latches. Dead reckoning would take the step for a departure, which it saw as well.
+    /// Ends the latches. Dead reckoning has seen the step as well: 4 s after one that had gone back it found a departure by as
+    /// much, and latched the sound transducer again.
     fn release_latches(&mut self) {
         self.last.release();
         if let Some(reckoning) = &mut self.reckoning {
@@ -218,10 +208,13 @@ impl Cylinder {
 
     /// Ends the latch when the other transducer is back, and both agree, or when the last one has stepped back.
     fn release_last(&mut self) {
-        // Until its observer is quiet the step back is the transducer's, as the step was.
+        // Until its observer is quiet the step back is the transducer's, as the step was: released at once, the incident of a
+        // step of C2 became one of *C1 or C2* in its last second.
         let detections = self.fde.bank.detections();
         let has_returned = |i: usize| {
-            detections[i].is_none() && self.last.of[i].latch.is_some_and(|it| it.is_back)
+            detections[i].is_none()
+                && !self.last.is_latched(1 - i)
+                && self.last.of[i].latch.is_some_and(|it| it.is_back)
         };
         if has_returned(0) || has_returned(1) {
             return self.release_latches();
@@ -255,7 +248,7 @@ impl Cylinder {
         };
         if (0..2).any(is_out) && (0..2).all(|i| !is_out(i) || agrees(i)) {
             self.release_latches();
-            self.tilted = None;
+            (self.last.shared, self.tilted) = (None, None);
         }
     }
 

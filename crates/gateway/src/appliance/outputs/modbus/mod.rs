@@ -7,7 +7,6 @@ pub mod map;
 mod service;
 pub mod sheet;
 
-#[cfg(feature = "surroundings")]
 use super::listening::{ServedProtocol, StateServer};
 use super::patience::Patience;
 use crate::appliance::realtime;
@@ -19,7 +18,6 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
-#[cfg(feature = "surroundings")]
 use tertius_config::settings::Settings;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{Semaphore, oneshot};
@@ -74,22 +72,8 @@ impl ModbusServer {
             .spawn(serve)?;
         Ok(Self { address, _stop: stop })
     }
-
-    /// Serves what `recorder` writes on `listen`, or on a free port if its port is 0.
-    ///
-    /// # Errors
-    /// The address is in use or not available, or the system provides no thread.
-    pub fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
-        Self::with_silence(listen, recorder, SILENCE)
-    }
-
-    /// Address that the server listens on.
-    pub const fn address(&self) -> SocketAddr {
-        self.address
-    }
 }
 
-#[cfg(feature = "surroundings")]
 impl StateServer for ModbusServer {
     const PROTOCOL: ServedProtocol = ServedProtocol {
         name: "Modbus",
@@ -103,11 +87,11 @@ impl StateServer for ModbusServer {
     }
 
     fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
-        Self::start(listen, recorder)
+        Self::with_silence(listen, recorder, SILENCE)
     }
 
     fn address(&self) -> SocketAddr {
-        self.address()
+        self.address
     }
 }
 

@@ -18,7 +18,6 @@ mod space;
 mod values;
 mod watch;
 
-#[cfg(feature = "surroundings")]
 use super::listening::{ServedProtocol, StateServer};
 use crate::appliance::realtime;
 use crate::appliance::telemetry::Recorder;
@@ -33,7 +32,6 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-#[cfg(feature = "surroundings")]
 use tertius_config::settings::Settings;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -65,18 +63,11 @@ pub struct OpcuaServer {
 }
 
 impl OpcuaServer {
-    /// Serves what `recorder` writes on `listen`, or on a free port if its port is 0.
+    /// Serves what `recorder` writes on `listen`, or on a free port if its port is 0, to clients that are silent for
+    /// at most `silence`.
     ///
     /// # Errors
     /// The address is in use or not available, or the system provides no thread.
-    pub fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
-        Self::with_silence(listen, recorder, SILENCE)
-    }
-
-    /// The same, to clients that are silent for at most `silence`.
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
     pub fn with_silence(
         listen: SocketAddr,
         recorder: &Recorder,
@@ -109,14 +100,8 @@ impl OpcuaServer {
         std::thread::Builder::new().name("opcua".to_owned()).stack_size(STACK_SIZE).spawn(serve)?;
         Ok(Self { address, _stop: stop })
     }
-
-    /// Address that the server listens on.
-    pub const fn address(&self) -> SocketAddr {
-        self.address
-    }
 }
 
-#[cfg(feature = "surroundings")]
 impl StateServer for OpcuaServer {
     const PROTOCOL: ServedProtocol = ServedProtocol {
         name: "OPC UA",
@@ -130,11 +115,11 @@ impl StateServer for OpcuaServer {
     }
 
     fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
-        Self::start(listen, recorder)
+        Self::with_silence(listen, recorder, SILENCE)
     }
 
     fn address(&self) -> SocketAddr {
-        self.address()
+        self.address
     }
 }
 
